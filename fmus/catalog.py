@@ -1,0 +1,73 @@
+"""The components: one C++ header each, found in the source tree."""
+
+import re
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+
+from fmus.errors import AdcsError
+from fmus.paths import SOURCES
+
+KINDS = {
+    "guidance": "guidance",
+    "plant": "plant",
+    "environment": "environment",
+    "sensors": "sensor",
+    "observers": "observer",
+    "controllers": "controller",
+}
+"""Source folder -> kind of component, in the order of the data flow."""
+
+
+@dataclass(frozen=True)
+class Component:
+    """A component header `src/<folder>/<snake_case>.hpp` that defines `struct CamelCase`."""
+
+    name: str
+    kind: str
+    header: Path
+    summary: str
+
+    @property
+    def include(self) -> str:
+        """How C++ code includes the header."""
+        return self.header.relative_to(SOURCES).as_posix()
+
+    @property
+    def text(self) -> str:
+        """The header's leading `///` block: Markdown with LaTeX between dollar signs."""
+        lines = []
+        for line in self.header.read_text(encoding="utf-8").splitlines():
+            if not line.startswith("///"):
+                break
+            lines.append(line[3:].removeprefix(" "))
+        return "\n".join(lines) + "\n"
+
+
+def components() -> list[Component]:
+    """All components, in the order of `KINDS`, then by name."""
+    return [
+        component
+        for folder, kind in KINDS.items()
+        for header in sorted((SOURCES / folder).glob("*.hpp"))
+        if (component := _read(header, kind))
+    ]
+
+
+def find(name: str) -> Component:
+    """The component called `name`; AdcsError if there is none."""
+    known = {c.name: c for c in components()}
+    if name not in known:
+        close = get_close_matches(name, known, 1, 0.4)
+        hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(known)}"
+        raise AdcsError(f"no component is called {name}: {hint}")
+    return known[name]
+
+
+def _read(header: Path, kind: str) -> Component | None:
+    name = "".join(word.capitalize() for word in header.stem.split("_"))
+    code = header.read_text(encoding="utf-8")
+    if not re.search(rf"\bstruct {name}\b", code) or "declare(" not in code:
+        return None  # shared between components
+    summary = re.search(r'\bsummary\s*=\s*"([^"]*)"', code)
+    return Component(name, kind, header, summary[1] if summary else "")

@@ -1,0 +1,97 @@
+"""The ZIP file and where things are in it."""
+
+import re
+import zipfile
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import PurePosixPath
+
+from lxml import etree
+
+from fmus.toolchain import TARGETS
+
+_TOP_LEVEL = {
+    "modelDescription.xml",
+    "model.png",
+    "binaries",
+    "documentation",
+    "extra",
+    "resources",
+    "sources",
+    "terminalsAndIcons",
+}
+_SUFFIXES = {
+    **{t.name: t.suffix for t in TARGETS},
+    **{t.fmi2_folder: t.suffix for t in TARGETS},
+    **{"linux32": ".so", "win32": ".dll", "darwin32": ".dylib", "x86-linux": ".so", "x86-windows": ".dll"},
+}
+
+
+def check_archive(archive: zipfile.ZipFile) -> Iterator[str]:
+    """Paths that unpack safely everywhere, and compression that every tool reads."""
+    if damaged := archive.testzip():
+        yield f"{damaged} is damaged: its checksum does not fit"
+    for name, count in Counter(archive.namelist()).items():
+        if count > 1:
+            yield f"{name} is contained {count} times"
+    for entry in archive.infolist():
+        name = entry.orig_filename
+        if "\\" in name:
+            yield f"{name}: path has a backslash"
+        if name.startswith("/") or re.match(r"[A-Za-z]:", name) or ".." in PurePosixPath(name).parts:
+            yield f"{name}: path leads out of the FMU"
+        if not name.isascii():
+            yield f"{name}: path has characters beyond ASCII"
+        if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+            yield f"{name}: compression method {entry.compress_type}, expected 0 (stored) or 8 (deflated)"
+        if entry.flag_bits & 1:
+            yield f"{name} is encrypted"
+        if entry.external_attr >> 28 == 0o12:
+            yield f"{name} is a symbolic link"
+
+
+def check_layout(archive: zipfile.ZipFile, identifiers: set[str]) -> Iterator[str]:
+    """Files where the standards want them; `identifiers` are the model identifiers."""
+    files = {name for name in archive.namelist() if not name.endswith("/")}
+    for top in sorted({PurePosixPath(name).parts[0] for name in files} - _TOP_LEVEL):
+        yield f"{top} is no part of an FMU"
+    folders: dict[str, set[str]] = {}
+    for name in files:
+        parts = PurePosixPath(name).parts
+        if parts[0] == "binaries":
+            folders.setdefault(parts[1], set()).add("/".join(parts[2:]))
+    if not folders and not any(name.startswith("sources/") for name in files):
+        yield "neither binaries nor sources are contained"
+    for folder, contents in sorted(folders.items()):
+        if folder not in _SUFFIXES:
+            yield f"binaries/{folder} is no platform: known are {', '.join(_SUFFIXES)}"
+            continue
+        expected = {identifier + _SUFFIXES[folder] for identifier in identifiers}
+        for name in sorted(expected - contents):
+            yield f"binaries/{folder}/{name} is missing"
+        for name in sorted(contents - expected):
+            yield f"binaries/{folder}/{name} is not expected there"
+    for entry_point, folder in (
+        ("documentation/index.html", "documentation/"),
+        ("terminalsAndIcons/icon.png", "terminalsAndIcons/icon."),
+    ):
+        if entry_point not in files and any(name.startswith(folder) for name in files):
+            yield f"{entry_point} is missing"
+    licences = {name for name in files if name.startswith("documentation/licenses/")}
+    if licences and not licences & {f"documentation/licenses/license.{kind}" for kind in ("txt", "html", "spdx")}:
+        yield "documentation/licenses/license.txt is missing"
+    yield from _check_sources(archive, files)
+
+
+def _check_sources(archive: zipfile.ZipFile, files: set[str]) -> Iterator[str]:
+    listed = set()
+    for document, path in (
+        ("sources/buildDescription.xml", ".//SourceFile"),
+        ("modelDescription.xml", ".//SourceFiles/File"),
+    ):
+        if document in files:
+            listed |= {f"sources/{file.get('name')}" for file in etree.fromstring(archive.read(document)).iterfind(path)}
+    for name in sorted(listed - files):
+        yield f"{name} is to be compiled, but missing"
+    if not listed and any(name.startswith("sources/") for name in files):
+        yield "sources are contained, but nothing says what is to be compiled"

@@ -1,0 +1,107 @@
+"""What an FMU does when it is loaded on this machine; in a process of its own, since it might crash."""
+
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import fmpy
+from fmpy.fmi2 import FMU2Model, FMU2Slave
+from fmpy.fmi3 import FMU3Model, FMU3Slave
+from fmpy.model_description import ModelDescription
+
+from fmus.paths import PACKAGE
+
+_MARK = "finding: "
+_SECONDS = 60
+
+
+def check_behaviour(path: Path) -> Iterator[str]:
+    """Instantiates and initialises each interface with the values of the XML; nothing if this platform is not in it."""
+    command = [sys.executable, "-m", __name__, str(path)]
+    try:
+        result = subprocess.run(
+            command,
+            capture_output=True,
+            text=True,
+            env=os.environ | {"PYTHONPATH": str(PACKAGE.parent)},
+            timeout=_SECONDS,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        yield f"instantiating does not end within {_SECONDS} s"
+        return
+    said = ""
+    for line in result.stdout.splitlines():
+        if line.startswith(_MARK):
+            yield line.removeprefix(_MARK) + (f" ({said})" if said else "")
+            said = ""
+        else:
+            said = line  # the FMU's own last message explains what follows
+    if result.returncode != 0:
+        yield f"instantiating ends with exit code {result.returncode}: {result.stderr.strip().splitlines()[-1:] or said}"
+
+
+def _try(path: Path) -> Iterator[str]:
+    model = fmpy.read_model_description(str(path), validate=False)
+    is_fmi2 = model.fmiVersion == "2.0"
+    folder = fmpy.platform if is_fmi2 else fmpy.platform_tuple
+    interfaces = {
+        "ModelExchange": (model.modelExchange, FMU2Model if is_fmi2 else FMU3Model),
+        "CoSimulation": (model.coSimulation, FMU2Slave if is_fmi2 else FMU3Slave),
+    }
+    with tempfile.TemporaryDirectory() as unzipped:
+        fmpy.extract(str(path), unzipped)
+        for name, (interface, fmu_class) in interfaces.items():
+            if interface is None:
+                continue
+            library = Path(unzipped, "binaries", folder, interface.modelIdentifier + fmpy.sharedLibraryExtension)
+            if not library.is_file():
+                continue
+
+            def instance(token: str, interface=interface, fmu_class=fmu_class):  # type: ignore[no-untyped-def]
+                fmu = fmu_class(
+                    guid=token, modelIdentifier=interface.modelIdentifier, unzipDirectory=unzipped, instanceName="check"
+                )
+                fmu.instantiate()
+                return fmu
+
+            try:
+                fmu = instance(model.guid)
+            except Exception:
+                yield f"{name} cannot be instantiated with the token of the XML, {model.guid}"
+                continue
+            try:
+                if is_fmi2:
+                    fmu.setupExperiment(startTime=0.0)
+                fmu.enterInitializationMode()
+                yield from (f"{name}: {problem}" for problem in _check_starts(fmu, model))
+                fmu.exitInitializationMode()
+                fmu.terminate()
+                fmu.freeInstance()
+            except Exception as error:
+                yield f"{name} cannot be initialised with the start values of the XML: {error}"
+            try:
+                instance("not the token")
+            except Exception:
+                continue
+            yield f"{name} can be instantiated with a wrong token"
+
+
+def _check_starts(fmu: FMU2Slave | FMU3Slave, model: ModelDescription) -> Iterator[str]:
+    getters = {"Real": "getReal", "Integer": "getInteger"}
+    for v in model.modelVariables:
+        get = getattr(fmu, getters.get(v.type, f"get{v.type}"), None)
+        if v.start is None or get is None or v.type in ("String", "Binary", "Boolean"):
+            continue
+        declared = [float(x) for x in str(v.start).split()]
+        actual = [float(x) for x in get([v.valueReference])]
+        if declared != actual and declared * len(actual) != actual:  # FMI 3: one value may stand for all
+            yield f"{v.name} starts at {actual}, but the XML says {declared}"
+
+
+if __name__ == "__main__":
+    for finding in _try(Path(sys.argv[1])):
+        print(_MARK + finding, flush=True)

@@ -1,0 +1,95 @@
+"""The shared libraries: that they suit their platform, need nothing special, and export the FMI functions only."""
+
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import PurePosixPath
+
+import lief
+
+from fmus.paths import FMI_HEADERS
+
+GLIBC_FLOOR = (2, 17)
+_NEEDED = re.compile(
+    r"(lib[cm]|ld-linux-[\w-]+)\.so\.\d+|KERNEL32\.dll|api-ms-win-crt-[\w-]+\.dll|/usr/lib/libSystem\.B\.dylib", re.I
+)
+"""Libraries that are part of every Linux, Windows 10 and macOS."""
+_LINKER_MADE = {"_mh_dylib_header", "__dso_handle"}  # macOS has them in every library
+_ARCHITECTURES = {
+    **{folder: {"X86_64", "AMD64"} for folder in ("linux64", "win64", "x86_64-linux", "x86_64-windows", "x86_64-darwin")},
+    **{folder: {"AARCH64", "ARM64"} for folder in ("aarch64-linux", "aarch64-darwin")},
+    "darwin64": {"X86_64"},
+}
+
+
+def check_binary(name: str, content: bytes, fmi_version: str) -> Iterator[str]:
+    """`name` is the path in the FMU, `fmi_version` the one whose functions must be there."""
+    lief.logging.disable()
+    folder = PurePosixPath(name).parts[1]
+    parsed = lief.MachO.parse(content) if name.endswith(".dylib") else lief.parse(content)
+    if parsed is None:
+        yield f"{name} is no shared library"
+        return
+    slices = list(parsed) if isinstance(parsed, lief.MachO.FatBinary) else [parsed]
+    architectures = {_architecture(part) for part in slices}
+    expected = _ARCHITECTURES.get(folder, architectures)
+    if not architectures & expected:
+        yield f"{name} is for {', '.join(sorted(architectures))}, expected {' or '.join(sorted(expected))}"
+    for part in slices:
+        exported = set(_exports(part)) - _LINKER_MADE
+        if missing := functions(fmi_version) - exported:
+            yield f"{name} does not export {', '.join(sorted(missing))}"
+        if extra := exported - functions("2.0") - functions("3.0"):
+            yield f"{name} exports {', '.join(sorted(extra))}, which are no FMI functions"
+        for library in _needs(part):
+            if not _NEEDED.fullmatch(library):
+                yield f"{name} needs {library}, which may not be installed"
+        if isinstance(part, lief.ELF.Binary):
+            yield from _check_glibc(name, part)
+
+
+@cache
+def functions(fmi_version: str) -> frozenset[str]:
+    """All functions of a version of FMI, from its header."""
+    major = fmi_version[0]
+    header = (FMI_HEADERS / f"fmi{major}Functions.h").read_text(encoding="utf-8")
+    return frozenset(re.findall(rf"#\s*define\s+(fmi{major}\w+)\s+fmi{major}FullName\(", header))
+
+
+def _check_glibc(name: str, part: lief.ELF.Binary) -> Iterator[str]:
+    for requirement in part.symbols_version_requirement:
+        for version in requirement.get_auxiliary_symbols():
+            match = re.fullmatch(r"GLIBC_([\d.]+)", str(version.name))
+            if not match or tuple(map(int, match[1].split("."))) > GLIBC_FLOOR:
+                floor = ".".join(map(str, GLIBC_FLOOR))
+                yield f"{name} needs {version.name} of {requirement.name}, expected GLIBC_{floor} or older"
+
+
+def _architecture(part: lief.Binary) -> str:
+    match part:
+        case lief.ELF.Binary():
+            return part.header.machine_type.name
+        case lief.PE.Binary():
+            return part.header.machine.name
+        case lief.MachO.Binary():
+            return part.header.cpu_type.name
+    return type(part).__name__
+
+
+def _exports(part: lief.Binary) -> list[str]:
+    match part:
+        case lief.PE.Binary():
+            export = part.get_export()
+            return [str(entry.name) for entry in export.entries] if export else []
+        case lief.MachO.Binary():
+            return [str(symbol.name).removeprefix("_") for symbol in part.exported_symbols]
+        case lief.ELF.Binary():
+            return [str(symbol.name) for symbol in part.exported_symbols]
+    return []
+
+
+def _needs(part: lief.Binary) -> list[str]:
+    if isinstance(part, lief.MachO.Binary):
+        own_name = lief.MachO.LoadCommand.TYPE.ID_DYLIB
+        return [str(library.name) for library in part.libraries if library.command != own_name]
+    return [str(library) for library in part.libraries]

@@ -1,0 +1,173 @@
+"""The commands that concern FMUs: build, list, info, check."""
+
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from fmus import catalog
+from fmus.build import build, describe
+from fmus.check import Finding, check
+from fmus.describe import Variable
+from fmus.errors import AdcsError
+from fmus.pack import FILE_NAMES
+from fmus.paths import DIST
+
+app = typer.Typer(no_args_is_help=True, rich_markup_mode="markdown", help="Builds, lists and checks FMUs.")
+
+_out = Console()
+_err = Console(stderr=True)
+
+Json = Annotated[bool, typer.Option("--json", help="Print JSON for machines.")]
+
+
+@app.command("build")
+def build_command(
+    names: Annotated[list[str] | None, typer.Argument(help="Components; all if left out.", show_default=False)] = None,
+    all_platforms: Annotated[bool, typer.Option(help="For Linux, Windows and macOS, not only this machine.")] = False,
+    as_json: Json = False,
+) -> None:
+    """Build FMUs, for FMI 2.0 and 3.0; what is up to date stays.
+
+    Examples: `adcs build` · `adcs build RigidBody PdTracking` · `adcs build --all-platforms`
+    """
+    columns = (TextColumn("{task.description:<44}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=_err, transient=True, disable=as_json) as bar:
+        task = bar.add_task("compiling", total=None)
+        built = build(
+            names, all_platforms, lambda done, total, what: bar.update(task, completed=done, total=total, description=what)
+        )
+    if as_json:
+        _print_json([{"path": str(path), "bytes": path.stat().st_size} for path in built])
+        return
+    table = Table("FMU", "Size", title=f"in {built[0].parent}", title_justify="left")
+    for path in built:
+        table.add_row(path.name, f"{path.stat().st_size / 1e3:.0f} kB")
+    _out.print(table)
+
+
+@app.command("list")
+def list_command(as_json: Json = False) -> None:
+    """List the components and the systems made of them.
+
+    Examples: `adcs list` · `adcs list --json`
+    """
+    from studies.registry import SYSTEMS  # not at the top: only here do FMUs know of systems
+
+    components = [
+        {
+            "name": c.name,
+            "kind": c.kind,
+            "description": c.summary,
+            "fmus": {v: str(DIST / p.format(c.name)) for v, p in FILE_NAMES.items() if (DIST / p.format(c.name)).is_file()},
+        }
+        for c in catalog.components()
+    ]
+    systems = [{"name": name, "description": system.description} for name, system in SYSTEMS.items()]
+    if as_json:
+        _print_json({"components": components, "systems": systems})
+        return
+    table = Table("Component", "Kind", "Description", "Built for FMI")
+    for c in components:
+        table.add_row(c["name"], c["kind"], c["description"], ", ".join(c["fmus"]) or "[dim]not built[/dim]")
+    _out.print(table)
+    table = Table("System", "Description")
+    for system in systems:
+        table.add_row(system["name"], system["description"])
+    _out.print(table)
+
+
+@app.command("info")
+def info_command(name: Annotated[str, typer.Argument(help="A component.")], as_json: Json = False) -> None:
+    """Show a component's variables with units, start values and bounds.
+
+    Examples: `adcs info RigidBody` · `adcs info RigidBody --json`
+    """
+    component = catalog.find(name)
+    with _err.status("asking the component ...") if not as_json else _err.capture():
+        description = describe(name)
+    if as_json:
+        _print_json({"kind": component.kind, **asdict(description)})
+        return
+    _out.print(f"[bold]{description.name}[/bold] ({component.kind}): {description.description}")
+    if description.reference:
+        _out.print(f"[dim]{description.reference}[/dim]")
+    table = Table("Variable", "Causality", "Size", "Unit", "Start", "Min", "Max", "Description")
+    for v in description.variables:
+        if v.causality != "independent":
+            size = " x ".join(map(str, v.shape))
+            bounds = ["" if bound is None else f"{bound:g}" for bound in (v.min, v.max)]
+            table.add_row(v.name, v.causality, size, v.unit or "", _start(v), *bounds, v.description)
+    _out.print(table)
+
+
+@app.command("check")
+def check_command(
+    fmus: Annotated[
+        list[str] | None, typer.Argument(help="Components or paths of FMUs; all built components if left out.", show_default=False)
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Check FMUs: standard, layout, binaries, and what validators miss. Exit code 1 if something is wrong.
+
+    Examples: `adcs check` · `adcs check RigidBody` · `adcs check path/to/some.fmu`
+    """
+    paths = [path for fmu in fmus for path in _fmu_paths(fmu)] if fmus else _all_built()
+    findings: dict[Path, list[Finding]] = {}
+    with _err.status("checking ...") as status:
+        for path in paths:
+            status.update(f"checking {path.name}")
+            findings[path] = check(path)
+    if as_json:
+        _print_json([{"path": str(p), "findings": [asdict(f) for f in found]} for p, found in findings.items()])
+    else:
+        table = Table("FMU", "Check", "Finding")
+        for path, found in findings.items():
+            for finding in found or [Finding("", "[green]nothing wrong[/green]")]:
+                table.add_row(path.name, finding.rule, finding.message)
+        _out.print(table)
+    if any(findings.values()):
+        raise typer.Exit(1)
+
+
+def main() -> None:
+    """Runs the commands of this file only; `adcs` has more."""
+    try:
+        app()
+    except AdcsError as error:
+        _err.print(f"[red]error:[/red] {error}", highlight=False, markup=True)
+        sys.exit(1)
+
+
+def _fmu_paths(name_or_path: str) -> list[Path]:
+    if Path(name_or_path).suffix == ".fmu":
+        if not Path(name_or_path).is_file():
+            raise AdcsError(f"{name_or_path} is no file")
+        return [Path(name_or_path)]
+    paths = [DIST / pattern.format(catalog.find(name_or_path).name) for pattern in FILE_NAMES.values()]
+    return _existing(paths)
+
+
+def _all_built() -> list[Path]:
+    return _existing([DIST / pattern.format(c.name) for c in catalog.components() for pattern in FILE_NAMES.values()])
+
+
+def _existing(paths: list[Path]) -> list[Path]:
+    existing = [path for path in paths if path.is_file()]
+    if not existing:
+        raise AdcsError(f"{paths[0].name} is not built: run: adcs build")
+    return existing
+
+
+def _start(v: Variable) -> str:
+    return "" if v.start is None else " ".join(f"{x:g}" for x in v.start)
+
+
+def _print_json(data: Any) -> None:
+    print(json.dumps(data, indent=2))

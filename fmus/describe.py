@@ -1,0 +1,151 @@
+"""What a component declares, asked from the component itself by a small program built for this machine."""
+
+import json
+import math
+import subprocess
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fmus.errors import AdcsError
+
+
+@dataclass(frozen=True)
+class DisplayUnit:
+    """`display = factor * value`."""
+
+    name: str
+    factor: float
+
+
+@dataclass(frozen=True)
+class Unit:
+    """`base = factor * value + offset`, with the base unit as exponents of kg, m, s, A, K, mol, cd, rad."""
+
+    name: str
+    exponents: dict[str, int]
+    factor: float
+    offset: float
+    display: tuple[DisplayUnit, ...]
+
+
+@dataclass(frozen=True)
+class LogCategory:
+    """A kind of log message that can be switched."""
+
+    name: str
+    description: str
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A scalar, vector or matrix variable; element i (row-major) has the value reference `vr + i` in FMI 2.0."""
+
+    name: str
+    vr: int
+    shape: tuple[int, ...]
+    type: str
+    causality: str
+    variability: str
+    initial: str | None
+    unit: str | None
+    display_unit: str | None
+    start: tuple[float, ...] | None
+    min: float | None
+    max: float | None
+    nominal: float | None
+    description: str
+    derivative_of: int | None
+    """Value reference of the state whose time derivative this is."""
+    dependencies: tuple[tuple[int, ...], ...] | None
+    """For each element the scalar value references it depends on during the run."""
+    initial_dependencies: tuple[tuple[int, ...], ...] | None
+    """The same during initialisation."""
+
+    @property
+    def size(self) -> int:
+        """Number of elements."""
+        return math.prod(self.shape)
+
+    @property
+    def element_names(self) -> list[str]:
+        """Names of the scalars that FMI 2.0 has instead of an array: `q_BN[1]`, `J_B[1,1]`, `der(q_BN[1])`."""
+        if not self.shape:
+            return [self.name]
+        derived = self.name.startswith("der(")
+        name = self.name[4:-1] if derived else self.name
+        names = [f"{name}[{','.join(map(str, index))}]" for index in _indices(self.shape)]
+        return [f"der({name})" for name in names] if derived else names
+
+
+@dataclass(frozen=True)
+class Description:
+    """A component's declaration, free of FMI versions."""
+
+    name: str
+    description: str
+    reference: str
+    token: str
+    differentiable: bool
+    sampled: bool
+    states: int
+    event_indicators: int
+    log_categories: tuple[LogCategory, ...]
+    units: tuple[Unit, ...]
+    variables: tuple[Variable, ...]
+
+    def at(self, scalar_vr: int) -> Variable:
+        """The variable that owns a scalar value reference."""
+        return next(v for v in self.variables if v.vr <= scalar_vr < v.vr + v.size)
+
+
+def run_describe(program: Path) -> Description:
+    """The description that a component's describe program prints."""
+    result = subprocess.run([program], capture_output=True, text=True, encoding="utf-8", check=False)
+    if result.returncode != 0:
+        raise AdcsError(f"{program.name} ended with exit code {result.returncode}: {result.stderr.strip()}")
+    try:
+        return parse(json.loads(result.stdout))
+    except (ValueError, KeyError, TypeError) as error:
+        raise AdcsError(f"{program.name} printed no valid description: {error!r}") from error
+
+
+def parse(data: dict[str, Any]) -> Description:
+    """The description in parsed JSON; unknown keys are errors."""
+    return Description(
+        **{
+            **data,
+            "log_categories": tuple(LogCategory(**item) for item in data["log_categories"]),
+            "units": tuple(
+                Unit(**{**item, "display": tuple(DisplayUnit(**unit) for unit in item["display"])})
+                for item in data["units"]
+            ),
+            "variables": tuple(_variable(item) for item in data["variables"]),
+        }
+    )
+
+
+def _variable(item: dict[str, Any]) -> Variable:
+    def nested(key: str) -> Any:
+        return None if item[key] is None else tuple(map(tuple, item[key]))
+
+    return Variable(
+        **{
+            **item,
+            "shape": tuple(item["shape"]),
+            "start": None if item["start"] is None else tuple(item["start"]),
+            "dependencies": nested("dependencies"),
+            "initial_dependencies": nested("initial_dependencies"),
+        }
+    )
+
+
+def _indices(shape: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+    """One-based indices, last index fastest."""
+    if not shape:
+        yield ()
+        return
+    for first in range(1, shape[0] + 1):
+        for rest in _indices(shape[1:]):
+            yield (first, *rest)

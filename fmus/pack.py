@@ -1,0 +1,120 @@
+"""Puts an FMU together: description, binaries, sources, documentation, icon, licences."""
+
+import io
+import os
+import re
+import time
+import zipfile
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from lxml import etree
+
+from fmus import documentation, icon, model_description
+from fmus.catalog import Component
+from fmus.describe import Description
+from fmus.paths import FMI_HEADERS, LICENSE, PACKAGE
+from fmus.terminals import terminals_and_icons
+from fmus.toolchain import ZIG, Target, universal_binary
+
+FILE_NAMES = {"2.0": "{}.fmu", "3.0": "{}.fmi3.fmu"}
+"""FMI version -> name of the FMU of a component."""
+
+_LICENCE_OVERVIEW = """\
+This FMU is part of adcs-fmus, BSD 3-clause licence, adcs-fmus.txt.
+
+Compiled in, and in sources/ where it is source code:
+- Eigen (sources/Eigen), Mozilla Public License 2.0, Eigen.txt. Its source code is in this FMU.
+- C header files of the FMI standard, 2-clause BSD licence, FMI.txt.
+- headers of libc++, Apache License 2.0 with LLVM exceptions, libcxx.txt.
+- compiler support routines of Zig, MIT licence, zig.txt.
+- in the Windows binary, startup code of MinGW-w64, mingw-w64.txt.
+"""
+
+
+def pack(
+    component: Component,
+    description: Description,
+    fmi_version: str,
+    binaries: Mapping[Target, Path],
+    sources: Mapping[str, Path],
+    compiled: Iterable[str],
+) -> bytes:
+    """The FMU file.
+
+    `sources` are the files in sources/ by their names there, `compiled` the names of those that are compiled.
+    """
+    compiled = list(compiled)
+    xml = (
+        model_description.fmi2(description, compiled)
+        if fmi_version == "2.0"
+        else model_description.fmi3(description)
+    )
+    png = icon.draw(component.name, component.kind, "png")
+    files = {
+        "modelDescription.xml": xml,
+        **({"model.png": png} if fmi_version == "2.0" else {}),
+        "documentation/index.html": documentation.page(component, description).encode(),
+        **{f"documentation/licenses/{name}": text.encode() for name, text in _licences().items()},
+        "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(description, fmi_version),
+        "terminalsAndIcons/icon.png": png,
+        "terminalsAndIcons/icon.svg": icon.draw(component.name, component.kind, "svg"),
+        "sources/buildDescription.xml": _build_description(component.name, compiled),
+        **{f"sources/{name}": path.read_bytes() for name, path in sorted(sources.items())},
+        **_binaries(component.name, fmi_version, binaries),
+    }
+    return _zipped(files)
+
+
+def _binaries(name: str, fmi_version: str, binaries: Mapping[Target, Path]) -> dict[str, bytes]:
+    contents = {target: path.read_bytes() for target, path in binaries.items()}
+    if fmi_version == "3.0":
+        return {f"binaries/{t.name}/{name}{t.suffix}": content for t, content in contents.items()}
+    files = {f"binaries/{t.fmi2_folder}/{name}{t.suffix}": content for t, content in contents.items()}
+    darwin = [content for t, content in contents.items() if t.name.endswith("-darwin")]
+    if darwin:  # FMI 2.0 importers look for darwin64 on every Mac
+        files[f"binaries/darwin64/{name}.dylib"] = universal_binary(darwin)
+    return files
+
+
+def _build_description(name: str, compiled: Iterable[str]) -> bytes:
+    root = etree.Element("fmiBuildDescription", fmiVersion="3.0")
+    configuration = etree.SubElement(root, "BuildConfiguration", modelIdentifier=name)
+    # -ffp-contract=off: the same digits as the binaries in this FMU
+    options = {"language": "C++17", "compilerOptions": "-O2 -ffp-contract=off"}
+    file_set = etree.SubElement(configuration, "SourceFileSet", options)
+    for file in compiled:
+        etree.SubElement(file_set, "SourceFile", name=file)
+    etree.SubElement(file_set, "IncludeDirectory", name=".")
+    return etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
+
+
+def _licences() -> dict[str, str]:
+    
+    headers = (FMI_HEADERS / "fmi3Functions.h").read_text(encoding="utf-8")
+    fmi = re.search(r"Copyright \(C\).*?(?=\*/)", headers, re.DOTALL)
+    assert fmi, "the FMI headers carry their licence"
+    lib = ZIG.parent / "lib"
+    return {
+        "license.txt": _LICENCE_OVERVIEW,
+        "adcs-fmus.txt": LICENSE.read_text(encoding="utf-8"),
+        "Eigen.txt": (PACKAGE / "licenses" / "MPL-2.0.txt").read_text(encoding="utf-8"),
+        "FMI.txt": fmi[0],
+        "libcxx.txt": (lib / "libcxx" / "LICENSE.TXT").read_text(encoding="utf-8"),
+        "zig.txt": (ZIG.parent / "LICENSE").read_text(encoding="utf-8"),
+        "mingw-w64.txt": (lib / "libc" / "mingw" / "COPYING").read_text(encoding="utf-8"),
+    }
+
+
+def _zipped(files: Mapping[str, bytes]) -> bytes:
+    """A ZIP archive that only depends on the files' names and contents."""
+    epoch = int(os.environ.get("SOURCE_DATE_EPOCH", 315532800))  # ZIP knows no time before 1980
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            entry = zipfile.ZipInfo(name, time.gmtime(epoch)[:6])
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, content)
+    return buffer.getvalue()

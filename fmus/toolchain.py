@@ -1,0 +1,223 @@
+"""Compiles and links with the zig compiler from PyPI, for every platform, and only what changed."""
+
+import hashlib
+import json
+import os
+import platform
+import re
+import subprocess
+import time
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+
+import ziglang
+
+from fmus.errors import AdcsError
+from fmus.paths import BUILD, EIGEN, FMI_HEADERS, SOURCES
+
+ZIG = Path(ziglang.__file__).parent / ("zig.exe" if os.name == "nt" else "zig")
+
+
+@dataclass(frozen=True)
+class Target:
+    """A platform that binaries are made for."""
+
+    name: str
+    """The platform tuple of FMI 3.0."""
+    triple: str
+    fmi2_folder: str
+    """FMI 2.0 has own names for three platforms and takes the tuple for the others (since 2.0.4)."""
+    suffix: str
+
+
+TARGETS = (
+    Target("x86_64-linux", "x86_64-linux-gnu.2.17", "linux64", ".so"),
+    Target("aarch64-linux", "aarch64-linux-gnu.2.17", "aarch64-linux", ".so"),
+    Target("x86_64-windows", "x86_64-windows-gnu", "win64", ".dll"),
+    Target("x86_64-darwin", "x86_64-macos.11.0", "darwin64", ".dylib"),
+    Target("aarch64-darwin", "aarch64-macos.11.0", "aarch64-darwin", ".dylib"),
+)
+
+COMPILE_FLAGS = (
+    *("-std=c++17", "-O2", "-DNDEBUG"),  # without -O zig inserts traps of the undefined behaviour sanitizer
+    *("-fno-exceptions", "-fno-rtti"),
+    "-ffp-contract=off",  # same digits on every platform
+    *("-fvisibility=hidden", "-fvisibility-inlines-hidden", "-ffunction-sections", "-fdata-sections"),
+    *("-Wall", "-Wextra"),
+    *(f"-I{SOURCES}", f"-isystem{EIGEN}", f"-isystem{FMI_HEADERS}"),
+)
+LINK_FLAGS = {
+    ".so": (f"-Wl,--version-script={SOURCES / 'fmi' / 'exports.map'}", "-Wl,-z,defs", "-Wl,--gc-sections"),
+    ".dll": ("-Wl,--gc-sections",),
+    ".dylib": ("-Wl,-dead_strip",),
+}
+
+
+def host() -> Target:
+    """The target this machine runs; AdcsError if there is none."""
+    system = platform.system().lower()
+    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(), platform.machine().lower())
+    name = f"{machine}-{system}"
+    for target in TARGETS:
+        if target.name == name:
+            return target
+    raise AdcsError(f"no binaries can be made for this machine, {name}: known are {', '.join(t.name for t in TARGETS)}")
+
+
+@dataclass(frozen=True)
+class Step:
+    """A command that makes `output` out of `inputs` and of the files it includes."""
+
+    output: Path
+    command: tuple[str, ...]
+    inputs: tuple[Path, ...]
+    includes: bool = False
+    """The command writes what it included to the depfile."""
+
+    @property
+    def depfile(self) -> Path:
+        return _beside(self.output, ".d")
+
+    @property
+    def record(self) -> Path:
+        return _beside(self.output, ".json")
+
+
+def compile_step(source: Path, output: Path, target: Target, *flags: str) -> Step:
+    """Compiles one C++ file to an object file."""
+    command = ("c++", "-target", target.triple, *COMPILE_FLAGS, *flags, "-c", str(source), "-o", str(output))
+    depfile = ("-MD", "-MF", str(_beside(output, ".d")))
+    return Step(output, command + depfile, (source,), includes=True)
+
+
+def link_step(objects: Sequence[Path], output: Path, target: Target) -> Step:
+    """Links a shared library that exports what the export list says."""
+    exports = (SOURCES / "fmi" / "exports.map",) if target.suffix == ".so" else ()
+    return _link(objects, output, target, ("-shared", *LINK_FLAGS[target.suffix]), exports)
+
+
+def program_step(objects: Sequence[Path], output: Path, target: Target) -> Step:
+    """Links a program that runs during the build."""
+    return _link(objects, output, target)
+
+
+def run_steps(steps: Iterable[Step], done: Callable[[Step], None] = lambda _: None) -> None:
+    """Runs the steps that are out of date, as many at a time as there are processors; they must not need each other."""
+
+    def bring_up_to_date(step: Step) -> Step:
+        if not is_up_to_date(step):
+            _run(step)
+        return step
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for step in pool.map(bring_up_to_date, steps):
+            done(step)
+
+
+def is_up_to_date(step: Step) -> bool:
+    """Whether the output was made by this command and compiler from inputs with this content."""
+    if not step.output.is_file():
+        return False
+    record = _read_record(step)
+    return record.get("command") == _signature(step) and all(
+        digest(Path(path)) == known for path, known in record["inputs"].items()
+    )
+
+
+def included_files(step: Step) -> list[Path]:
+    """The files that went into an up-to-date step, those of the compiler itself excepted."""
+    record = _read_record(step)
+    if not record:
+        raise AdcsError(f"{step.output.name}: a source file changed while it was being compiled: build again")
+    return [Path(path) for path in record["inputs"]]
+
+
+def digest(path: Path) -> str:
+    """SHA-256 of a file's content, empty if there is none."""
+    try:
+        status = path.stat()
+    except FileNotFoundError:
+        return ""
+    return _digest(path, status.st_mtime_ns, status.st_size)
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """Writes a file that others, building at the same time, see either old or new, never half."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    temporary.write_bytes(content)
+    temporary.replace(path)
+
+
+def universal_binary(slices: Sequence[bytes]) -> bytes:
+    """A macOS library for several processors out of one library for each."""
+    alignment = 14  # 2^14, the page size of arm64
+    header = bytearray(0xCAFEBABE.to_bytes(4) + len(slices).to_bytes(4))
+    body = bytearray()
+    start = 1 << alignment
+    for content in slices:
+        processor = [int.from_bytes(content[at : at + 4], "little") for at in (4, 8)]
+        for field in (*processor, start + len(body), len(content), alignment):
+            header += field.to_bytes(4)
+        body += content + bytes(-len(content) % start)
+    return bytes(header.ljust(start, b"\0") + body)
+
+
+def _link(
+    objects: Sequence[Path], output: Path, target: Target, flags: Sequence[str] = (), more_inputs: Sequence[Path] = ()
+) -> Step:
+    # as C and without sanitizer: the objects need no C++ or sanitizer runtime, which take zig two minutes to build
+    command = ("cc", "-target", target.triple, "-fno-sanitize=undefined", "-s", *flags, *map(str, objects))
+    command += ("-o", str(output))
+    return Step(output, command, (*objects, *more_inputs))
+
+
+def _run(step: Step) -> None:
+    step.output.parent.mkdir(parents=True, exist_ok=True)
+    started = time.time_ns()
+    zig_cache = str(BUILD / "zig")
+    environment = os.environ | {"ZIG_GLOBAL_CACHE_DIR": zig_cache, "ZIG_LOCAL_CACHE_DIR": zig_cache}
+    result = subprocess.run([ZIG, *step.command], capture_output=True, text=True, env=environment, check=False)
+    for stray in (".lib", ".pdb"):
+        step.output.with_suffix(stray).unlink(missing_ok=True)
+    if result.returncode != 0:
+        step.output.unlink(missing_ok=True)
+        raise AdcsError(f"making {step.output.name} failed:\n{result.stderr.strip()}")
+    inputs = _dependencies(step.depfile) if step.includes else step.inputs
+    if any(path.stat().st_mtime_ns > started for path in inputs):  # edited meanwhile: who knows what was read
+        step.record.unlink(missing_ok=True)
+        return
+    record = {"command": _signature(step), "inputs": {str(path): digest(path) for path in inputs}}
+    write_atomically(step.record, json.dumps(record, indent=1).encode())
+
+
+def _dependencies(depfile: Path) -> list[Path]:
+    text = depfile.read_text(encoding="utf-8").replace("\\\n", " ").split(": ", 1)[1]
+    names = (re.sub(r"\\([ #])", r"\1", part) for part in re.split(r"(?<!\\)\s+", text) if part)
+    paths = {Path(os.path.normpath(name)) for name in names}
+    return sorted(path for path in paths if not path.is_relative_to(ZIG.parent))  # those stand and fall with zig
+
+
+def _signature(step: Step) -> str:
+    return " ".join((f"zig {metadata.version('ziglang')}", *step.command))
+
+
+def _read_record(step: Step) -> dict[str, dict[str, str]]:
+    try:
+        record: dict[str, dict[str, str]] = json.loads(step.record.read_bytes())
+    except (FileNotFoundError, json.JSONDecodeError):
+        return {}
+    return record
+
+
+@cache
+def _digest(path: Path, _modified: int, _size: int) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _beside(path: Path, suffix: str) -> Path:
+    return path.with_name(path.name + suffix)

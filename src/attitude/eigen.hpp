@@ -1,0 +1,25 @@
+// Eigen, configured once. Results must not depend on the platform: no vector units (Eigen's NEON path fuses
+// multiply and add, its SSE path does not), no contraction by the compiler. No allocation, no stream code.
+#pragma once
+
+#define EIGEN_DONT_VECTORIZE
+#define EIGEN_DONT_PARALLELIZE
+#define EIGEN_NO_IO
+#define EIGEN_NO_DEBUG
+
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#endif
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+namespace adcs {
+
+template <class T>
+using Vec3 = Eigen::Matrix<T, 3, 1>;
+template <class T>
+using Mat3 = Eigen::Matrix<T, 3, 3, Eigen::RowMajor>;  // row-major, as FMI lists arrays
+
+}  // namespace adcs

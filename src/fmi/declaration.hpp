@@ -1,0 +1,152 @@
+// What declare() of a component says, as a table. FMI 2 scalars, FMI 3 arrays, the XML, the instantiation token
+// and the documentation all come from this table.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "attitude/quaternion.hpp"
+#include "fmi/units.hpp"
+
+namespace adcs {
+
+enum class Type : std::uint8_t { float64, int32 };
+enum class Causality : std::uint8_t { independent, parameter, input, output, local };
+enum class Variability : std::uint8_t { fixed, tunable, discrete, continuous };
+enum class Role : std::uint8_t { plain, state, derivative, held };
+enum class Kind : std::uint8_t { any, unit_quaternion, inertia };
+
+struct Variable {
+    const char* name;
+    const char* description;
+    const Unit* unit;
+    void* data;                      ///< first element, in the component
+    std::uint32_t vr;                ///< of the first element; element i has vr + i in FMI 2
+    std::uint32_t rows, cols, size;  ///< rows = 0: a scalar; cols = 0: a vector
+    Type type;
+    Causality causality;
+    Variability variability;
+    Role role = Role::plain;
+    Kind kind = Kind::any;
+    int derivative_of = -1;                                   ///< index of the state in the table
+    double above = -std::numeric_limits<double>::infinity();  ///< exclusive bound
+    double min = -std::numeric_limits<double>::infinity();
+    double max = std::numeric_limits<double>::infinity();
+    double nominal = 1.0;
+};
+
+/// A component's variables in the order of declaration; value reference 0 is time.
+struct Table {
+    static constexpr int capacity = 96;
+    static constexpr std::uint32_t scalar_capacity = 1024;
+    Variable variables[capacity];
+    int count = 0;
+    std::uint32_t next_vr = 0;
+    std::uint8_t owner[scalar_capacity];  ///< FMI 2 value reference -> index in variables
+    bool overflow = false;
+
+    const Variable* begin() const { return variables; }
+    const Variable* end() const { return variables + count; }
+};
+
+/// Refines the variable just declared.
+class Refine {
+public:
+    explicit Refine(Variable& v) : v_(v) {}
+    Refine& above(double bound) { return v_.above = bound, *this; }
+    Refine& at_least(double bound) { return v_.min = bound, *this; }
+    Refine& at_most(double bound) { return v_.max = bound, *this; }
+    Refine& nominal(double magnitude) { return v_.nominal = magnitude, *this; }
+    Refine& fixed() { return v_.variability = Variability::fixed, *this; }
+    /// Must have norm 1; a start value is normalised.
+    Refine& unit_quaternion() { return v_.kind = Kind::unit_quaternion, *this; }
+    /// Must be symmetric, positive definite and satisfy the triangle inequality of principal moments.
+    Refine& inertia() { return v_.kind = Kind::inertia, *this; }
+
+private:
+    Variable& v_;
+};
+
+/// The visitor handed to declare() of a component of scalar type T.
+template <class T>
+class Declare {
+public:
+    explicit Declare(Table& table) : table_(table) {}
+
+    /// Simulation time; every component has it, whether it uses it or not.
+    void time(T& t) { table_.variables[0].data = &t; }
+
+    template <class X>
+    Refine input(const char* name, X& x, const Unit& unit, const char* description) {
+        return add(name, x, unit, description, Causality::input, Variability::continuous);
+    }
+    template <class X>
+    Refine output(const char* name, X& x, const Unit& unit, const char* description) {
+        return add(name, x, unit, description, Causality::output, Variability::continuous);
+    }
+    /// Tunable during a run unless .fixed().
+    template <class X>
+    Refine parameter(const char* name, X& x, const Unit& unit, const char* description) {
+        return add(name, x, unit, description, Causality::parameter, Variability::tunable);
+    }
+    Refine parameter(const char* name, std::int32_t& x, const char* description) {
+        return Refine(append(
+            {name, description, &unit::one, &x, 0, 0, 0, 1, Type::int32, Causality::parameter, Variability::tunable}));
+    }
+    /// A continuous state, which is an output too, and its time derivative `der(name)`.
+    template <class X>
+    Refine state(const char* name, X& x, X& derivative, const Unit& unit, const char* description) {
+        const int index = table_.count;
+        Refine refine = output(name, x, unit, description);
+        table_.variables[index].role = Role::state;
+        add(name, derivative, *unit.per_second, description, Causality::local, Variability::continuous);
+        Variable& rate = table_.variables[table_.count - 1];
+        rate.role = Role::derivative;
+        rate.derivative_of = index;
+        return refine;
+    }
+    /// Set by sample() only, and held in between.
+    template <class X>
+    Refine held(const char* name, X& x, const Unit& unit, const char* description) {
+        Refine refine = add(name, x, unit, description, Causality::local, Variability::discrete);
+        table_.variables[table_.count - 1].role = Role::held;
+        return refine;
+    }
+
+private:
+    Refine add(const char* name, T& x, const Unit& unit, const char* description, Causality c, Variability v) {
+        return Refine(append({name, description, &unit, &x, 0, 0, 0, 1, Type::float64, c, v}));
+    }
+    template <int N>
+    Refine add(const char* name, Eigen::Matrix<T, N, 1>& x, const Unit& unit, const char* description, Causality c,
+               Variability v) {
+        return Refine(append({name, description, &unit, x.data(), 0, N, 0, N, Type::float64, c, v}));
+    }
+    template <int N, int M>
+    Refine add(const char* name, Eigen::Matrix<T, N, M, Eigen::RowMajor>& x, const Unit& unit, const char* description,
+               Causality c, Variability v) {
+        return Refine(append({name, description, &unit, x.data(), 0, N, M, N * M, Type::float64, c, v}));
+    }
+    Variable& append(Variable v) {
+        if (table_.count == Table::capacity || table_.next_vr + v.size > Table::scalar_capacity) {
+            table_.overflow = true;
+            return table_.variables[Table::capacity - 1];
+        }
+        v.vr = table_.next_vr;
+        for (; table_.next_vr < v.vr + v.size; ++table_.next_vr) {
+            table_.owner[table_.next_vr] = static_cast<std::uint8_t>(table_.count);
+        }
+        return table_.variables[table_.count++] = v;
+    }
+
+    Table& table_;
+};
+
+/// Instants offset + k * period, k = 0, 1, ..., at which sample(k) is called; period 0: never.
+struct SampleTimes {
+    double period = 0.0;
+    double offset = 0.0;
+};
+
+}  // namespace adcs

@@ -1,0 +1,229 @@
+// Host tool: prints what declare() says as JSON, from which the XML and the documentation are made. It prints as it
+// goes and needs nothing of the C++ runtime library, which would take longer to build than all components together.
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include "fmi/instance.hpp"
+#include "fmi/trace.hpp"
+
+namespace {
+
+using namespace adcs;
+
+void print_text(const char* text) {
+    std::putchar('"');
+    for (; *text != '\0'; ++text) {
+        if (*text == '"' || *text == '\\') std::putchar('\\');
+        std::putchar(*text);
+    }
+    std::putchar('"');
+}
+
+void print_number(double x) {
+    if (std::isfinite(x)) {
+        std::printf("%.17g", x);
+    } else {
+        std::printf("null");
+    }
+}
+
+void print_key(const char* key) { std::printf(", \"%s\": ", key); }
+
+void print_field(const char* key, const char* text) {
+    print_key(key);
+    if (text != nullptr) {
+        print_text(text);
+    } else {
+        std::printf("null");
+    }
+}
+
+void print_field(const char* key, double number) {
+    print_key(key);
+    print_number(number);
+}
+
+/// "[a, b, ...]" of n items.
+template <class PrintItem>
+void print_list(std::size_t n, PrintItem print_item) {
+    std::putchar('[');
+    for (std::size_t i = 0; i < n; ++i) {
+        if (i > 0) std::printf(", ");
+        print_item(i);
+    }
+    std::putchar(']');
+}
+
+const char* causality(const Variable& v) {
+    constexpr const char* names[] = {"independent", "parameter", "input", "output", "local"};
+    return names[static_cast<int>(v.causality)];
+}
+
+const char* variability(const Variable& v) {
+    constexpr const char* names[] = {"fixed", "tunable", "discrete", "continuous"};
+    return names[static_cast<int>(v.variability)];
+}
+
+bool has_start(const Variable& v) {
+    return v.causality == Causality::parameter || v.causality == Causality::input || v.role == Role::state;
+}
+
+const char* initial(const Variable& v) {
+    if (v.causality == Causality::independent || v.causality == Causality::input) return nullptr;
+    return has_start(v) ? "exact" : "calculated";
+}
+
+void print_shape(const Variable& v) {
+    const std::uint32_t extents[] = {v.rows, v.cols};
+    const std::size_t dimensions = v.rows == 0 ? 0 : v.cols == 0 ? 1 : 2;
+    print_list(dimensions, [&](std::size_t i) { std::printf("%u", extents[i]); });
+}
+
+void print_start(const Variable& v) {
+    if (!has_start(v)) {
+        std::printf("null");
+        return;
+    }
+    print_list(v.size, [&](std::size_t i) {
+        print_number(v.type == Type::float64 ? static_cast<double*>(v.data)[i] : static_cast<std::int32_t*>(v.data)[i]);
+    });
+}
+
+/// Per element the value references it depends on. During the run the knowns are time, inputs and continuous states;
+/// at initialization also the parameters.
+void print_dependencies(const Table& table, const Dependencies& found, const Variable& v, bool at_initialization) {
+    if ((v.causality != Causality::output && v.role != Role::derivative) ||
+        (at_initialization && v.role == Role::state)) {
+        std::printf("null");
+        return;
+    }
+    print_list(v.size, [&](std::size_t i) {
+        bool first = true;
+        std::putchar('[');
+        for (const Variable& k : table) {
+            const bool known = at_initialization || k.causality != Causality::parameter;
+            for (std::uint32_t e = 0; known && e < k.size; ++e) {
+                if (!found[v.vr + i].set[k.vr + e]) continue;
+                std::printf(first ? "%u" : ", %u", k.vr + e);
+                first = false;
+            }
+        }
+        std::putchar(']');
+    });
+}
+
+void print_variable(const Table& table, const Dependencies& found, const Variable& v) {
+    const bool is_derivative = v.role == Role::derivative;
+    char text[128];
+    std::printf("{\"name\": ");
+    std::snprintf(text, sizeof text, is_derivative ? "der(%s)" : "%s", v.name);
+    print_text(text);
+    print_field("vr", v.vr);
+    print_key("shape");
+    print_shape(v);
+    print_field("type", v.type == Type::float64 ? "Float64" : "Int32");
+    print_field("causality", causality(v));
+    print_field("variability", variability(v));
+    print_field("initial", initial(v));
+    print_field("unit", v.type == Type::float64 ? v.unit->name : nullptr);
+    print_field("display_unit", v.unit->display);
+    print_key("start");
+    print_start(v);
+    print_field("min", std::fmax(v.above, v.min));
+    print_field("max", v.max);
+    print_field("nominal", v.nominal == 1.0 ? std::nan("") : v.nominal);
+    std::snprintf(text, sizeof text, "time derivative of %s", v.name);
+    print_field("description", is_derivative ? text : v.description);
+    print_field("derivative_of", is_derivative ? table.variables[v.derivative_of].vr : std::nan(""));
+    print_key("dependencies");
+    print_dependencies(table, found, v, false);
+    print_key("initial_dependencies");
+    print_dependencies(table, found, v, true);
+    std::putchar('}');
+}
+
+void print_unit(const Unit& u) {
+    constexpr const char* bases[] = {"kg", "m", "s", "rad"};
+    const int exponents[] = {u.kg, u.m, u.s, u.rad};
+    std::printf("{\"name\": ");
+    print_text(u.name);
+    print_key("exponents");
+    const char* separator = "{";
+    for (std::size_t i = 0; i < std::size(bases); ++i) {
+        if (exponents[i] == 0) continue;
+        std::printf("%s\"%s\": %d", separator, bases[i], exponents[i]);
+        separator = ", ";
+    }
+    std::printf(*separator == '{' ? "{}" : "}");
+    std::printf(", \"factor\": 1.0, \"offset\": 0.0");
+    print_key("display");
+    print_list(u.display != nullptr ? 1 : 0, [&](std::size_t) {
+        std::printf("{\"name\": ");
+        print_text(u.display);
+        print_field("factor", u.display_factor);
+        std::putchar('}');
+    });
+    std::putchar('}');
+}
+
+/// Whether no variable before v has its unit.
+bool introduces_unit(const Table& table, const Variable& v) {
+    if (v.type != Type::float64) return false;
+    for (const Variable* earlier = table.begin(); earlier != &v; ++earlier) {
+        if (earlier->type == Type::float64 && earlier->unit == v.unit) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+int main() {
+    const std::unique_ptr<Model> model(make_model());
+    model->reset();
+    const Table& table = model->table();
+    if (table.overflow) {
+        std::fprintf(stderr, "%s: too many variables\n", model->name());
+        return 1;
+    }
+    const Description description = describe_model();
+    char token[40];
+    make_token(*model, token);
+
+    std::printf("{\"name\": ");
+    print_text(model->name());
+    print_field("description", description.summary);
+    print_field("reference", description.reference);
+    print_field("token", token);
+    print_key("differentiable");
+    std::printf(description.differentiable ? "true" : "false");
+    print_key("sampled");
+    std::printf(description.sampled ? "true" : "false");
+    std::uint32_t states = 0;
+    for (const Variable& v : table) states += v.role == Role::state ? v.size : 0;
+    print_field("states", states);
+    print_field("event_indicators", 0.0);
+    print_key("log_categories");
+    print_list(std::size(log_categories), [](std::size_t i) {
+        std::printf("{\"name\": ");
+        print_text(log_categories[i].name);
+        print_field("description", log_categories[i].description);
+        std::putchar('}');
+    });
+    print_key("units");
+    const char* separator = "[\n ";
+    for (const Variable& v : table) {
+        if (!introduces_unit(table, v)) continue;
+        std::printf("%s", separator);
+        print_unit(*v.unit);
+        separator = ",\n ";
+    }
+    std::putchar(']');
+    print_key("variables");
+    print_list(static_cast<std::size_t>(table.count), [&](std::size_t i) {
+        std::printf("\n ");
+        print_variable(table, description.dependencies, table.variables[i]);
+    });
+    std::printf("}\n");
+    return 0;
+}

@@ -1,0 +1,28 @@
+// Turns one component into the contents of one binary.
+#pragma once
+
+#include <cstdlib>
+#include <new>
+
+#include "fmi/model.hpp"
+#ifdef ADCS_DESCRIBE
+#include "fmi/trace.hpp"
+#endif
+
+#ifdef ADCS_DESCRIBE
+#define ADCS_EXPORT_DESCRIPTION(COMPONENT)                                                                       \
+    adcs::Description adcs::describe_model() {                                                                   \
+        return {COMPONENT<double>::summary, COMPONENT<double>::reference,                                        \
+                adcs::detail::is_differentiable<COMPONENT<double>>, adcs::detail::has_sample<COMPONENT<double>>, \
+                adcs::trace<COMPONENT>()};                                                                       \
+    }
+#else
+#define ADCS_EXPORT_DESCRIPTION(COMPONENT)
+#endif
+
+#define ADCS_EXPORT(COMPONENT)                                                                        \
+    adcs::Model* adcs::make_model() {                                                                 \
+        void* memory = std::malloc(sizeof(adcs::ModelOf<adcs::COMPONENT>));                           \
+        return memory == nullptr ? nullptr : new (memory) adcs::ModelOf<adcs::COMPONENT>(#COMPONENT); \
+    }                                                                                                 \
+    ADCS_EXPORT_DESCRIPTION(adcs::COMPONENT)

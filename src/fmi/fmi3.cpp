@@ -1,0 +1,349 @@
+// FMI 3.0: the C functions, each a thin step onto Instance.
+#include <cstdlib>
+#include <cstring>
+
+#include "fmi/instance.hpp"
+#include "fmi3Functions.h"
+
+namespace {
+
+using namespace adcs;
+
+struct Component {
+    fmi3InstanceEnvironment environment;
+    fmi3LogMessageCallback log;
+    Instance* instance;
+};
+
+void write_log(void* context, Status status, const char* category, const char* message) {
+    const auto* component = static_cast<const Component*>(context);
+    if (component->log != nullptr) {
+        component->log(component->environment, static_cast<fmi3Status>(status), category, message);
+    }
+}
+
+fmi3Status to_fmi(Status status) { return static_cast<fmi3Status>(status); }
+std::byte* bytes_of(fmi3FMUState state) { return static_cast<std::byte*>(state); }
+
+/// The instance if the function may be called now, else nullptr (and the log says so).
+Instance* enter(fmi3Instance i, unsigned modes, const char* function) {
+    if (i == nullptr) return nullptr;
+    Instance* instance = static_cast<Component*>(i)->instance;
+    return instance->allowed(modes, function) ? instance : nullptr;
+}
+
+Instance* enter(fmi3Instance i, unsigned modes, Interface interface, const char* function) {
+    Instance* instance = enter(i, modes, function);
+    if (instance == nullptr || instance->interface() == interface) return instance;
+    instance->error("%s does not belong to the interface type of this instance", function);
+    return nullptr;
+}
+
+constexpr unsigned any_mode = mode_instantiated | mode_readable;
+constexpr unsigned settable = mode_instantiated | mode_initialization | mode_running;
+
+fmi3Instance instantiate(Interface interface, fmi3String name, fmi3String token, fmi3Boolean logging,
+                         fmi3InstanceEnvironment environment, fmi3LogMessageCallback log) {
+    auto* component = static_cast<Component*>(std::calloc(1, sizeof(Component)));
+    if (component == nullptr) return nullptr;
+    component->environment = environment;
+    component->log = log;
+    component->instance = Instance::create(name, token, interface, {write_log, component});
+    if (component->instance == nullptr) {
+        std::free(component);
+        return nullptr;
+    }
+    component->instance->set_debug_logging(logging, 0, nullptr);
+    return component;
+}
+
+fmi3Status none_of_type(fmi3Instance i, const char* function, std::size_t n, const fmi3ValueReference vr[]) {
+    Instance* instance = enter(i, any_mode, function);
+    if (instance == nullptr) return fmi3Error;
+    return n == 0 ? fmi3OK : to_fmi(instance->error("%s: value reference %u has another type", function, vr[0]));
+}
+
+fmi3Status not_supported(fmi3Instance i, const char* function) {
+    Instance* instance = enter(i, any_mode, function);
+    return instance == nullptr ? fmi3Error
+                               : to_fmi(instance->error("%s is not supported, see the capability flags", function));
+}
+
+}  // namespace
+
+extern "C" {
+
+const char* fmi3GetVersion(void) { return fmi3Version; }
+
+fmi3Status fmi3SetDebugLogging(fmi3Instance i, fmi3Boolean on, size_t n, const fmi3String categories[]) {
+    Instance* instance = enter(i, any_mode, "fmi3SetDebugLogging");
+    return instance == nullptr ? fmi3Error : to_fmi(instance->set_debug_logging(on, n, categories));
+}
+
+fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String /*resources*/,
+                                          fmi3Boolean /*visible*/, fmi3Boolean logging,
+                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback log) {
+    return instantiate(Interface::model_exchange, name, token, logging, environment, log);
+}
+
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String /*resources*/,
+                                         fmi3Boolean /*visible*/, fmi3Boolean logging, fmi3Boolean /*eventModeUsed*/,
+                                         fmi3Boolean /*earlyReturnAllowed*/, const fmi3ValueReference[], size_t,
+                                         fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
+                                         fmi3IntermediateUpdateCallback /*update*/) {
+    return instantiate(Interface::co_simulation, name, token, logging, environment, log);
+}
+
+fmi3Instance fmi3InstantiateScheduledExecution(fmi3String, fmi3String, fmi3String, fmi3Boolean, fmi3Boolean,
+                                               fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
+                                               fmi3ClockUpdateCallback, fmi3LockPreemptionCallback,
+                                               fmi3UnlockPreemptionCallback) {
+    if (log != nullptr) log(environment, fmi3Error, log_categories[0].name, "Scheduled Execution is not supported");
+    return nullptr;
+}
+
+void fmi3FreeInstance(fmi3Instance i) {
+    if (i == nullptr) return;
+    Instance::destroy(static_cast<Component*>(i)->instance);
+    std::free(i);
+}
+
+fmi3Status fmi3EnterInitializationMode(fmi3Instance i, fmi3Boolean /*toleranceDefined*/, fmi3Float64 /*tolerance*/,
+                                       fmi3Float64 start, fmi3Boolean stop_defined, fmi3Float64 stop) {
+    Instance* instance = enter(i, mode_instantiated, "fmi3EnterInitializationMode");
+    if (instance == nullptr) return fmi3Error;
+    const Status status = instance->setup(stop_defined, start, stop);
+    return to_fmi(status == Status::ok ? instance->enter_initialization() : status);
+}
+fmi3Status fmi3ExitInitializationMode(fmi3Instance i) {
+    Instance* instance = enter(i, mode_initialization, "fmi3ExitInitializationMode");
+    return instance == nullptr ? fmi3Error : to_fmi(instance->exit_initialization());
+}
+fmi3Status fmi3Terminate(fmi3Instance i) {
+    Instance* instance = enter(i, mode_running, "fmi3Terminate");
+    return instance == nullptr ? fmi3Error : to_fmi(instance->terminate());
+}
+fmi3Status fmi3Reset(fmi3Instance i) {
+    Instance* instance = enter(i, any_mode, "fmi3Reset");
+    return instance == nullptr ? fmi3Error : to_fmi(instance->reset());
+}
+
+fmi3Status fmi3GetFloat64(fmi3Instance i, const fmi3ValueReference vr[], size_t n, fmi3Float64 values[],
+                          size_t n_values) {
+    Instance* instance = enter(i, any_mode, "fmi3GetFloat64");
+    return instance == nullptr ? fmi3Error
+                               : to_fmi(instance->get("fmi3GetFloat64", Addressing::arrays, vr, n, values, n_values));
+}
+fmi3Status fmi3SetFloat64(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const fmi3Float64 values[],
+                          size_t n_values) {
+    Instance* instance = enter(i, settable, "fmi3SetFloat64");
+    return instance == nullptr ? fmi3Error
+                               : to_fmi(instance->set("fmi3SetFloat64", Addressing::arrays, vr, n, values, n_values));
+}
+fmi3Status fmi3GetInt32(fmi3Instance i, const fmi3ValueReference vr[], size_t n, fmi3Int32 values[], size_t n_values) {
+    Instance* instance = enter(i, any_mode, "fmi3GetInt32");
+    return instance == nullptr ? fmi3Error
+                               : to_fmi(instance->get("fmi3GetInt32", Addressing::arrays, vr, n, values, n_values));
+}
+fmi3Status fmi3SetInt32(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const fmi3Int32 values[],
+                        size_t n_values) {
+    Instance* instance = enter(i, settable, "fmi3SetInt32");
+    return instance == nullptr ? fmi3Error
+                               : to_fmi(instance->set("fmi3SetInt32", Addressing::arrays, vr, n, values, n_values));
+}
+
+#define ADCS_NO_VARIABLES_OF(TYPE)                                                                                  \
+    fmi3Status fmi3Get##TYPE(fmi3Instance i, const fmi3ValueReference vr[], size_t n, fmi3##TYPE[], size_t) {       \
+        return none_of_type(i, "fmi3Get" #TYPE, n, vr);                                                             \
+    }                                                                                                               \
+    fmi3Status fmi3Set##TYPE(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const fmi3##TYPE[], size_t) { \
+        return none_of_type(i, "fmi3Set" #TYPE, n, vr);                                                             \
+    }
+ADCS_NO_VARIABLES_OF(Float32)
+ADCS_NO_VARIABLES_OF(Int8)
+ADCS_NO_VARIABLES_OF(UInt8)
+ADCS_NO_VARIABLES_OF(Int16)
+ADCS_NO_VARIABLES_OF(UInt16)
+ADCS_NO_VARIABLES_OF(UInt32)
+ADCS_NO_VARIABLES_OF(Int64)
+ADCS_NO_VARIABLES_OF(UInt64)
+ADCS_NO_VARIABLES_OF(Boolean)
+ADCS_NO_VARIABLES_OF(String)
+#undef ADCS_NO_VARIABLES_OF
+
+fmi3Status fmi3GetBinary(fmi3Instance i, const fmi3ValueReference vr[], size_t n, size_t[], fmi3Binary[], size_t) {
+    return none_of_type(i, "fmi3GetBinary", n, vr);
+}
+fmi3Status fmi3SetBinary(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const size_t[], const fmi3Binary[],
+                         size_t) {
+    return none_of_type(i, "fmi3SetBinary", n, vr);
+}
+fmi3Status fmi3GetClock(fmi3Instance i, const fmi3ValueReference vr[], size_t n, fmi3Clock[]) {
+    return none_of_type(i, "fmi3GetClock", n, vr);
+}
+fmi3Status fmi3SetClock(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const fmi3Clock[]) {
+    return none_of_type(i, "fmi3SetClock", n, vr);
+}
+
+fmi3Status fmi3GetFMUState(fmi3Instance i, fmi3FMUState* state) {
+    Instance* instance = enter(i, any_mode, "fmi3GetFMUState");
+    return instance == nullptr ? fmi3Error : to_fmi(instance->save_new(state));
+}
+fmi3Status fmi3SetFMUState(fmi3Instance i, fmi3FMUState state) {
+    Instance* instance = enter(i, any_mode, "fmi3SetFMUState");
+    return instance == nullptr ? fmi3Error
+                               : to_fmi(instance->restore("fmi3SetFMUState", bytes_of(state), instance->state_size()));
+}
+fmi3Status fmi3FreeFMUState(fmi3Instance /*i*/, fmi3FMUState* state) {
+    if (state == nullptr) return fmi3OK;
+    std::free(*state);
+    *state = nullptr;
+    return fmi3OK;
+}
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance i, fmi3FMUState /*state*/, size_t* size) {
+    Instance* instance = enter(i, any_mode, "fmi3SerializedFMUStateSize");
+    if (instance == nullptr) return fmi3Error;
+    *size = instance->state_size();
+    return fmi3OK;
+}
+fmi3Status fmi3SerializeFMUState(fmi3Instance i, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
+    Instance* instance = enter(i, any_mode, "fmi3SerializeFMUState");
+    return instance == nullptr ? fmi3Error
+                               : to_fmi(instance->serialize("fmi3SerializeFMUState", bytes_of(state), bytes, size));
+}
+fmi3Status fmi3DeserializeFMUState(fmi3Instance i, const fmi3Byte bytes[], size_t size, fmi3FMUState* state) {
+    Instance* instance = enter(i, any_mode, "fmi3DeserializeFMUState");
+    return instance == nullptr ? fmi3Error
+                               : to_fmi(instance->deserialize("fmi3DeserializeFMUState", bytes, size, state));
+}
+
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance i, const fmi3ValueReference unknowns[], size_t n_unknowns,
+                                        const fmi3ValueReference knowns[], size_t n_knowns, const fmi3Float64 seed[],
+                                        size_t n_seed, fmi3Float64 sensitivity[], size_t n_sensitivity) {
+    Instance* instance = enter(i, mode_readable, "fmi3GetDirectionalDerivative");
+    return instance == nullptr ? fmi3Error
+                               : to_fmi(instance->differentiate("fmi3GetDirectionalDerivative", Addressing::arrays,
+                                                                unknowns, n_unknowns, knowns, n_knowns, seed, n_seed,
+                                                                sensitivity, n_sensitivity));
+}
+fmi3Status fmi3GetAdjointDerivative(fmi3Instance i, const fmi3ValueReference[], size_t, const fmi3ValueReference[],
+                                    size_t, const fmi3Float64[], size_t, fmi3Float64[], size_t) {
+    return not_supported(i, "fmi3GetAdjointDerivative");
+}
+fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance i, fmi3ValueReference, size_t*) {
+    return not_supported(i, "fmi3GetNumberOfVariableDependencies");
+}
+fmi3Status fmi3GetVariableDependencies(fmi3Instance i, fmi3ValueReference, size_t[], fmi3ValueReference[], size_t[],
+                                       fmi3DependencyKind[], size_t) {
+    return not_supported(i, "fmi3GetVariableDependencies");
+}
+
+fmi3Status fmi3EnterConfigurationMode(fmi3Instance i) { return not_supported(i, "fmi3EnterConfigurationMode"); }
+fmi3Status fmi3ExitConfigurationMode(fmi3Instance i) { return not_supported(i, "fmi3ExitConfigurationMode"); }
+
+#define ADCS_NO_CLOCKS(FUNCTION, ...)                                                           \
+    fmi3Status FUNCTION(fmi3Instance i, const fmi3ValueReference vr[], size_t n, __VA_ARGS__) { \
+        return none_of_type(i, #FUNCTION, n, vr);                                               \
+    }
+ADCS_NO_CLOCKS(fmi3GetIntervalDecimal, fmi3Float64[], fmi3IntervalQualifier[])
+ADCS_NO_CLOCKS(fmi3GetIntervalFraction, fmi3UInt64[], fmi3UInt64[], fmi3IntervalQualifier[])
+ADCS_NO_CLOCKS(fmi3GetShiftDecimal, fmi3Float64[])
+ADCS_NO_CLOCKS(fmi3GetShiftFraction, fmi3UInt64[], fmi3UInt64[])
+ADCS_NO_CLOCKS(fmi3SetIntervalDecimal, const fmi3Float64[])
+ADCS_NO_CLOCKS(fmi3SetIntervalFraction, const fmi3UInt64[], const fmi3UInt64[])
+ADCS_NO_CLOCKS(fmi3SetShiftDecimal, const fmi3Float64[])
+ADCS_NO_CLOCKS(fmi3SetShiftFraction, const fmi3UInt64[], const fmi3UInt64[])
+#undef ADCS_NO_CLOCKS
+
+// ------------------------------------------------------------------------------------------------ Model Exchange
+
+fmi3Status fmi3EnterEventMode(fmi3Instance i) {
+    Instance* instance = enter(i, mode_continuous | mode_event, Interface::model_exchange, "fmi3EnterEventMode");
+    return instance == nullptr ? fmi3Error : to_fmi(instance->enter_event_mode());
+}
+fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance i) {
+    return enter(i, mode_initialization | mode_event, "fmi3EvaluateDiscreteStates") == nullptr ? fmi3Error : fmi3OK;
+}
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance i, fmi3Boolean* needs_update, fmi3Boolean* terminate,
+                                    fmi3Boolean* nominals_changed, fmi3Boolean* values_changed,
+                                    fmi3Boolean* next_event_defined, fmi3Float64* next_event) {
+    Instance* instance = enter(i, mode_event, Interface::model_exchange, "fmi3UpdateDiscreteStates");
+    if (instance == nullptr) return fmi3Error;
+    bool defined = false;
+    double next = 0.0;
+    const Status status = instance->update_discrete_states(&defined, &next);
+    *needs_update = *terminate = *nominals_changed = *values_changed = fmi3False;
+    *next_event_defined = defined;
+    *next_event = next;
+    return to_fmi(status);
+}
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance i) {
+    Instance* instance = enter(i, mode_event, Interface::model_exchange, "fmi3EnterContinuousTimeMode");
+    return instance == nullptr ? fmi3Error : to_fmi(instance->enter_continuous_time());
+}
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance i, fmi3Boolean /*noSetFMUStatePriorToCurrentPoint*/,
+                                       fmi3Boolean* enter_event_mode, fmi3Boolean* terminate) {
+    if (enter(i, mode_continuous, Interface::model_exchange, "fmi3CompletedIntegratorStep") == nullptr)
+        return fmi3Error;
+    *enter_event_mode = *terminate = fmi3False;
+    return fmi3OK;
+}
+fmi3Status fmi3SetTime(fmi3Instance i, fmi3Float64 time) {
+    Instance* instance = enter(i, mode_event | mode_continuous, Interface::model_exchange, "fmi3SetTime");
+    return instance == nullptr ? fmi3Error : to_fmi(instance->set_time(time));
+}
+fmi3Status fmi3SetContinuousStates(fmi3Instance i, const fmi3Float64 x[], size_t n) {
+    Instance* instance = enter(i, mode_event | mode_continuous, Interface::model_exchange, "fmi3SetContinuousStates");
+    return instance == nullptr ? fmi3Error : to_fmi(instance->set_states(x, n));
+}
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance i, fmi3Float64 derivatives[], size_t n) {
+    Instance* instance = enter(i, mode_readable, Interface::model_exchange, "fmi3GetContinuousStateDerivatives");
+    return instance == nullptr ? fmi3Error : to_fmi(instance->get_derivatives(derivatives, n));
+}
+fmi3Status fmi3GetEventIndicators(fmi3Instance i, fmi3Float64[], size_t n) {
+    Instance* instance = enter(i, mode_readable, Interface::model_exchange, "fmi3GetEventIndicators");
+    if (instance == nullptr) return fmi3Error;
+    return n == 0 ? fmi3OK : to_fmi(instance->error("fmi3GetEventIndicators: there are none"));
+}
+fmi3Status fmi3GetContinuousStates(fmi3Instance i, fmi3Float64 x[], size_t n) {
+    Instance* instance = enter(i, mode_readable, Interface::model_exchange, "fmi3GetContinuousStates");
+    return instance == nullptr ? fmi3Error : to_fmi(instance->get_states(x, n));
+}
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance i, fmi3Float64 nominals[], size_t n) {
+    Instance* instance = enter(i, any_mode, Interface::model_exchange, "fmi3GetNominalsOfContinuousStates");
+    return instance == nullptr ? fmi3Error : to_fmi(instance->get_nominals(nominals, n));
+}
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance i, size_t* n) {
+    if (enter(i, any_mode, "fmi3GetNumberOfEventIndicators") == nullptr) return fmi3Error;
+    *n = 0;
+    return fmi3OK;
+}
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance i, size_t* n) {
+    Instance* instance = enter(i, any_mode, "fmi3GetNumberOfContinuousStates");
+    if (instance == nullptr) return fmi3Error;
+    *n = instance->states();
+    return fmi3OK;
+}
+
+// ------------------------------------------------------------------------------------------------- Co-Simulation
+
+fmi3Status fmi3EnterStepMode(fmi3Instance i) { return not_supported(i, "fmi3EnterStepMode"); }
+fmi3Status fmi3GetOutputDerivatives(fmi3Instance i, const fmi3ValueReference[], size_t, const fmi3Int32[],
+                                    fmi3Float64[], size_t) {
+    return not_supported(i, "fmi3GetOutputDerivatives");
+}
+fmi3Status fmi3DoStep(fmi3Instance i, fmi3Float64 time, fmi3Float64 step,
+                      fmi3Boolean /*noSetFMUStatePriorToCurrentPoint*/, fmi3Boolean* event_needed,
+                      fmi3Boolean* terminate, fmi3Boolean* early_return, fmi3Float64* last_successful_time) {
+    Instance* instance = enter(i, mode_step, Interface::co_simulation, "fmi3DoStep");
+    if (instance == nullptr) return fmi3Error;
+    const Status status = instance->do_step(time, step);
+    *event_needed = *terminate = *early_return = fmi3False;
+    *last_successful_time = instance->time();
+    return to_fmi(status);
+}
+fmi3Status fmi3ActivateModelPartition(fmi3Instance i, fmi3ValueReference, fmi3Float64) {
+    return not_supported(i, "fmi3ActivateModelPartition");
+}
+
+}  // extern "C"

@@ -1,0 +1,886 @@
+#include "fmi/instance.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+
+namespace adcs {
+namespace {
+
+constexpr double norm_tolerance = 0.02;   // of |q|^2: further from 1 than this is a mistake, not round-off
+constexpr double clock_tolerance = 1e-9;  // of a period: how exactly a communication point must hit a sample instant
+constexpr std::uint32_t state_magic = 0x53434441;  // "ADCS", little-endian
+
+double* floats(const Variable& v) { return static_cast<double*>(v.data); }
+std::int32_t* integers(const Variable& v) { return static_cast<std::int32_t*>(v.data); }
+constexpr Type type_of(double) { return Type::float64; }
+constexpr Type type_of(std::int32_t) { return Type::int32; }
+
+double squared_norm(const Variable& v) {
+    double sum = 0.0;
+    for (std::uint32_t i = 0; i < v.size; ++i) sum += floats(v)[i] * floats(v)[i];
+    return sum;
+}
+
+bool is_unit(const Variable& quaternion) { return std::fabs(squared_norm(quaternion) - 1.0) <= norm_tolerance; }
+
+void normalise(const Variable& quaternion) {
+    double* q = floats(quaternion);
+    const double length = std::sqrt(squared_norm(quaternion));
+    if (length == 1.0) return;
+    for (std::uint32_t i = 0; i < quaternion.size; ++i) q[i] /= length;
+}
+
+/// What is wrong with an inertia matrix, or nullptr. The triangle inequality of the principal moments says that
+/// 1/2 tr(J) I - J, the second moment of the mass distribution, has no negative eigenvalue.
+const char* inertia_fault(const double* J) {
+    const double scale = std::fabs(J[0]) + std::fabs(J[4]) + std::fabs(J[8]);
+    const double tolerance = 1e-9 * scale;
+    if (std::fabs(J[1] - J[3]) > tolerance || std::fabs(J[2] - J[6]) > tolerance ||
+        std::fabs(J[5] - J[7]) > tolerance) {
+        return "is not symmetric";
+    }
+    const auto principal_minors_above = [](const double* A, double bound1, double bound2, double bound3) {
+        const double minor = A[0] * A[4] - A[1] * A[3];
+        const double determinant = A[0] * (A[4] * A[8] - A[5] * A[7]) - A[1] * (A[3] * A[8] - A[5] * A[6]) +
+                                   A[2] * (A[3] * A[7] - A[4] * A[6]);
+        return A[0] > bound1 && minor > bound2 && determinant > bound3;
+    };
+    if (!principal_minors_above(J, 0.0, 0.0, 0.0)) return "is not positive definite";
+    const double half_trace = 0.5 * (J[0] + J[4] + J[8]);
+    double S[9];
+    for (int i = 0; i < 9; ++i) S[i] = (i % 4 == 0 ? half_trace + tolerance : 0.0) - J[i];
+    if (!principal_minors_above(S, 0.0, 0.0, 0.0)) {
+        return "violates the triangle inequality: no principal moment may exceed the sum of the other two";
+    }
+    return nullptr;
+}
+
+class Hash {  // FNV-1a, 64 bit
+public:
+    explicit Hash(std::uint64_t basis) : value_(basis) {}
+    void add(const char* text) {
+        do byte(static_cast<unsigned char>(*text));
+        while (*text++ != '\0');
+    }
+    void add(std::uint32_t number) {
+        for (int shift = 0; shift < 32; shift += 8) byte(static_cast<unsigned char>(number >> shift));
+    }
+    std::uint64_t value() const { return value_; }
+
+private:
+    void byte(unsigned char b) { value_ = (value_ ^ b) * 0x100000001b3U; }
+    std::uint64_t value_;
+};
+
+}  // namespace
+
+void element_name(const Variable& v, std::uint32_t element, char* buffer, std::size_t size) {
+    if (v.rows == 0) {
+        std::snprintf(buffer, size, "%s", v.name);
+    } else if (v.cols == 0) {
+        std::snprintf(buffer, size, "%s[%u]", v.name, element + 1);
+    } else {
+        std::snprintf(buffer, size, "%s[%u,%u]", v.name, element / v.cols + 1, element % v.cols + 1);
+    }
+}
+
+void make_token(const Model& model, char (&token)[40]) {
+    Hash a(0xcbf29ce484222325U), b(0x9ae16a3b2f90404fU);
+    for (Hash* hash : {&a, &b}) {
+        hash->add(model.name());
+        for (const Variable& v : model.table()) {
+            hash->add(v.name);
+            hash->add(v.unit->name);
+            for (const std::uint32_t number :
+                 {v.vr, v.rows, v.cols, static_cast<std::uint32_t>(v.type), static_cast<std::uint32_t>(v.causality),
+                  static_cast<std::uint32_t>(v.variability), static_cast<std::uint32_t>(v.role)}) {
+                hash->add(number);
+            }
+        }
+    }
+    std::snprintf(token, sizeof token, "{%08x-%04x-%04x-%04x-%04x%08x}", static_cast<unsigned>(a.value() >> 32),
+                  static_cast<unsigned>(a.value() >> 16) & 0xffffU, static_cast<unsigned>(a.value()) & 0xffffU,
+                  static_cast<unsigned>(b.value() >> 48), static_cast<unsigned>(b.value() >> 32) & 0xffffU,
+                  static_cast<unsigned>(b.value()));
+}
+
+// ---------------------------------------------------------------------------------------------- life and messages
+
+Instance* Instance::create(const char* name, const char* token, Interface interface, const Log& log) {
+    Model* model = make_model();
+    if (model == nullptr) return nullptr;
+    void* memory = std::malloc(sizeof(Instance));
+    if (memory == nullptr) {
+        delete model;
+        return nullptr;
+    }
+    auto* instance = new (memory) Instance(name == nullptr ? "" : name, interface, log, model);
+    char expected[40];
+    make_token(*model, expected);
+    bool good = instance->memory_ != nullptr;
+    if (token == nullptr || std::strcmp(token, expected) != 0) {
+        instance->error("token '%.60s' refused: modelDescription.xml and binary do not belong together, expected '%s'",
+                        token == nullptr ? "" : token, expected);
+        good = false;
+    }
+    if (name == nullptr || *name == '\0') {
+        instance->error("instance name is missing");
+        good = false;
+    }
+    if (!good) {
+        destroy(instance);
+        return nullptr;
+    }
+    return instance;
+}
+
+Instance::Instance(const char* name, Interface interface, const Log& log, Model* model)
+    : interface_(interface), log_(log), model_(model) {
+    std::snprintf(name_, sizeof name_, "%s", name);
+    model_->reset();
+    for (const Variable& v : table()) {
+        if (v.role == Role::state) n_states_ += v.size;
+        if (v.role == Role::held) n_held_ += v.size;
+        if (v.causality == Causality::output) n_outputs_ += v.size;
+        if (v.kind != Kind::unit_quaternion) continue;
+        if (v.causality == Causality::input) ++n_unit_inputs_;
+        if (v.role == Role::state) ++n_unit_states_;
+    }
+    n_scalars_ = table().next_vr;
+    std::size_t size = 0;
+    const auto cut = [this, &size](auto*& pointer, std::size_t n) {  // sizes first, pointers in the second pass
+        using Item = std::remove_reference_t<decltype(*pointer)>;
+        static_assert(alignof(Item) <= alignof(double));
+        pointer = reinterpret_cast<Item*>(static_cast<std::byte*>(memory_) + (memory_ == nullptr ? 0 : size));
+        size += (n * sizeof(Item) + sizeof(double) - 1) / sizeof(double) * sizeof(double);
+    };
+    const auto cut_all = [&] {
+        size = 0;
+        cut(scalars_, n_scalars_);
+        cut(directional_, 2 * std::size_t{n_scalars_});
+        cut(work_, 2 * n_states_);
+        cut(held_, n_held_);
+        cut(unit_inputs_, n_unit_inputs_);
+        cut(unit_states_, n_unit_states_);
+        cut(states_ptr_, n_states_);
+        cut(rates_ptr_, n_states_);
+        cut(outputs_ptr_, n_outputs_);
+    };
+    cut_all();
+    memory_ = std::calloc(1, size);
+    if (memory_ == nullptr) return;
+    cut_all();
+
+    std::size_t state = 0, rate = 0, output = 0, unit_input = 0, unit_state = 0;
+    for (const Variable& v : table()) {
+        const bool computed = v.causality == Causality::output || v.causality == Causality::local;
+        const bool input = v.causality == Causality::input, parameter = v.causality == Causality::parameter;
+        const bool early = input || parameter || v.role == Role::state;
+        const bool running = input || (parameter && v.variability == Variability::tunable);
+        if (input && v.kind == Kind::unit_quaternion) unit_inputs_[unit_input++] = &v;
+        if (v.role == Role::state && v.kind == Kind::unit_quaternion) unit_states_[unit_state++] = &v;
+        const bool bounded = std::isfinite(v.above) || std::isfinite(v.min) || std::isfinite(v.max);
+        for (std::uint32_t e = 0; e < v.size; ++e) {
+            void* data =
+                v.type == Type::float64 ? static_cast<void*>(floats(v) + e) : static_cast<void*>(integers(v) + e);
+            scalars_[v.vr + e] = {&v,
+                                  data,
+                                  e == 0 ? v.size : 0,
+                                  v.type,
+                                  computed,
+                                  v.role == Role::derivative,
+                                  bounded,
+                                  early,
+                                  running,
+                                  input && v.type == Type::float64 && !bounded,
+                                  input && v.kind != Kind::any};
+            if (v.role == Role::state) states_ptr_[state++] = floats(v) + e;
+            if (v.role == Role::derivative) rates_ptr_[rate++] = floats(v) + e;
+            if (v.causality == Causality::output) outputs_ptr_[output++] = floats(v) + e;
+        }
+    }
+    clock_time_ = floats(table().variables[0]);
+    if (n_states_ != 0) max_internal_step_ = floats(table().variables[table().count - 1]);
+    copy_held(held_, true);
+}
+
+Instance::~Instance() {
+    std::free(memory_);
+    delete model_;
+}
+
+void Instance::destroy(Instance* instance) {
+    if (instance == nullptr) return;
+    instance->~Instance();
+    std::free(instance);
+}
+
+void Instance::message(Status status, const char* category, const char* format, std::va_list arguments) {
+    if (log_.write == nullptr) return;
+    char text[768];
+    const int start = std::snprintf(text, sizeof text, "%s '%s': ", model_->name(), name_);
+    std::vsnprintf(text + start, sizeof text - static_cast<std::size_t>(start), format, arguments);
+    for (char* c = text; *c != '\0'; ++c) {
+        if (*c == '%' || *c == '#') *c = ' ';  // FMI 2 loggers read these as directives
+    }
+    log_.write(log_.context, status, category, text);
+}
+
+Status Instance::error(const char* format, ...) {
+    std::va_list arguments;
+    va_start(arguments, format);
+    message(Status::error, log_categories[0].name, format, arguments);
+    va_end(arguments);
+    return Status::error;
+}
+
+void Instance::event(const char* format, ...) {
+    if (!log_events_) return;
+    std::va_list arguments;
+    va_start(arguments, format);
+    message(Status::ok, log_categories[2].name, format, arguments);
+    va_end(arguments);
+}
+
+bool Instance::refuse(const char* function) {
+    const char* now = mode_ == mode_instantiated     ? "before initialization"
+                      : mode_ == mode_initialization ? "in initialization mode"
+                      : mode_ == mode_event          ? "in event mode"
+                      : mode_ == mode_continuous     ? "in continuous-time mode"
+                      : mode_ == mode_step           ? "in step mode"
+                                                     : "after terminate";
+    error("%s may not be called %s", function, now);
+    return false;
+}
+
+Status Instance::set_debug_logging(bool on, std::size_t n, const char* const* categories) {
+    bool events = n == 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        bool known = false;
+        for (const LogCategory& c : log_categories) known = known || std::strcmp(categories[i], c.name) == 0;
+        if (!known) return error("log category '%.60s' is not known", categories[i]);
+        events = events || std::strcmp(categories[i], log_categories[2].name) == 0;
+    }
+    if (events) log_events_ = on;
+    return Status::ok;
+}
+
+// --------------------------------------------------------------------------------------------------------- modes
+
+Status Instance::setup(bool stop_defined, double start, double stop) {
+    if (!std::isfinite(start)) return error("start time %g is not finite", start);
+    if (stop_defined && !(stop >= start)) return error("stop time %g is before start time %g", stop, start);
+    stop_defined_ = stop_defined;
+    stop_time_ = stop;
+    move_to(start);
+    return Status::ok;
+}
+
+Status Instance::enter_initialization() {
+    mode_ = mode_initialization;
+    parameters_checked_ = outputs_fresh_ = derivatives_fresh_ = false;
+    event("initialization at t = %g", time_);
+    return Status::ok;
+}
+
+void Instance::start_clock() {
+    clock_ = model_->sample_times();
+    const double passed = clock_.period > 0.0 ? (time_ - clock_.offset) / clock_.period : 0.0;
+    next_sample_ = passed > 0.0 ? static_cast<std::int64_t>(std::ceil(passed - clock_tolerance)) : 0;
+    at_sample_ = sample_due(time_);
+}
+
+Status Instance::exit_initialization() {
+    const Status status = evaluate();
+    if (status != Status::ok) return status;
+    mode_ = interface_ == Interface::co_simulation ? mode_step : mode_event;
+    return Status::ok;
+}
+
+Status Instance::terminate() {
+    mode_ = mode_terminated;
+    return Status::ok;
+}
+
+Status Instance::reset() {
+    model_->reset();
+    mode_ = mode_instantiated;
+    time_ = stop_time_ = 0.0;
+    stop_defined_ = at_sample_ = false;
+    clock_ = SampleTimes{};
+    next_sample_ = 0;
+    copy_held(held_, true);
+    outputs_fresh_ = derivatives_fresh_ = parameters_checked_ = inputs_checked_ = false;
+    return Status::ok;
+}
+
+// -------------------------------------------------------------------------------------------------------- values
+
+template <Addressing A>
+const Instance::Scalar* Instance::find(const char* function, std::uint32_t vr) {
+    if (vr < n_scalars_ && count_of<A>(scalars_[vr]) != 0) return &scalars_[vr];
+    error("%s: value reference %u is not known", function, vr);
+    return nullptr;
+}
+
+Status Instance::get(const char* function, Addressing a, const std::uint32_t* vrs, std::size_t n, double* values,
+                     std::size_t n_values) {
+    return a == Addressing::scalars ? get_values<Addressing::scalars>(function, vrs, n, values, n_values)
+                                    : get_values<Addressing::arrays>(function, vrs, n, values, n_values);
+}
+Status Instance::get(const char* function, Addressing a, const std::uint32_t* vrs, std::size_t n, std::int32_t* values,
+                     std::size_t n_values) {
+    return a == Addressing::scalars ? get_values<Addressing::scalars>(function, vrs, n, values, n_values)
+                                    : get_values<Addressing::arrays>(function, vrs, n, values, n_values);
+}
+Status Instance::set(const char* function, Addressing a, const std::uint32_t* vrs, std::size_t n, const double* values,
+                     std::size_t n_values) {
+    return a == Addressing::scalars ? set_values<Addressing::scalars>(function, vrs, n, values, n_values)
+                                    : set_values<Addressing::arrays>(function, vrs, n, values, n_values);
+}
+Status Instance::set(const char* function, Addressing a, const std::uint32_t* vrs, std::size_t n,
+                     const std::int32_t* values, std::size_t n_values) {
+    return a == Addressing::scalars ? set_values<Addressing::scalars>(function, vrs, n, values, n_values)
+                                    : set_values<Addressing::arrays>(function, vrs, n, values, n_values);
+}
+
+template <Addressing A, class Value>
+Status Instance::get_values(const char* function, const std::uint32_t* vrs, std::size_t n, Value* values,
+                            std::size_t n_values) {
+    bool outputs = false, rates = false;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        const Scalar* s = find<A>(function, vrs[i]);
+        if (s == nullptr) return Status::error;
+        if (s->type != type_of(Value{})) return error("%s: %s has another type", function, s->variable->name);
+        outputs |= s->computed;
+        rates |= s->rate;
+        count += count_of<A>(*s);
+    }
+    if (count != n_values) return error("%s: %zu values given, %zu expected", function, n_values, count);
+    if (mode_ != mode_instantiated) {  // before initialization nothing is computed yet
+        if (rates && !derivatives_fresh_) {
+            if (Status status = evaluate_derivatives(); status != Status::ok) return status;
+        } else if (outputs && !outputs_fresh_) {
+            if (Status status = evaluate(); status != Status::ok) return status;
+        }
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        const Scalar& s = scalars_[vrs[i]];
+        const auto* from = static_cast<const Value*>(s.data);
+        for (std::uint32_t e = 0; e < count_of<A>(s); ++e) *values++ = from[e];
+    }
+    return Status::ok;
+}
+
+bool Instance::may_set(const char* function, const Scalar& s) {
+    if ((mode_ & (mode_instantiated | mode_initialization)) != 0 ? s.set_early : s.set_running) return true;
+    error("%s: %s can not be set %s", function, s.variable->name,
+          s.set_early ? "after initialization" : "because the component computes it");
+    return false;
+}
+
+bool Instance::in_range(const char* function, const Variable& v, std::uint32_t element, double value) {
+    if (std::isfinite(value) && value > v.above && value >= v.min && value <= v.max) return true;
+    char name[128];
+    element_name(v, element, name, sizeof name);
+    if (!std::isfinite(value)) {
+        error("%s: %s = %g refused: a finite number is expected", function, name, value);
+    } else if (!(value > v.above)) {
+        error("%s: %s = %g refused: must be above %g", function, name, value, v.above);
+    } else if (!(value >= v.min)) {
+        error("%s: %s = %g refused: must be at least %g", function, name, value, v.min);
+    } else {
+        error("%s: %s = %g refused: must be at most %g", function, name, value, v.max);
+    }
+    return false;
+}
+
+/// Whether nothing needs a closer look: what an importer sets in its loop are finite values of plain inputs.
+template <Addressing A, class Value>
+bool Instance::all_plain(const std::uint32_t* vrs, std::size_t n, const Value* values, std::size_t n_values) const {
+    double zero = 0.0;
+    std::size_t done = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        if (vrs[i] >= n_scalars_ || !scalars_[vrs[i]].plain_input || type_of(Value{}) != Type::float64) return false;
+        const std::uint32_t count = count_of<A>(scalars_[vrs[i]]);
+        if (count == 0 || done + count > n_values) return false;
+        for (std::uint32_t e = 0; e < count; ++e) zero += 0.0 * static_cast<double>(values[done + e]);
+        done += count;
+    }
+    return done == n_values && zero == 0.0;
+}
+
+template <Addressing A, class Value>
+Status Instance::check_values(const char* function, const std::uint32_t* vrs, std::size_t n, const Value* values,
+                              std::size_t n_values) {
+    std::size_t done = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        const Scalar* s = find<A>(function, vrs[i]);
+        if (s == nullptr) return Status::error;
+        const Variable& v = *s->variable;
+        if (s->type != type_of(Value{})) return error("%s: %s has another type", function, v.name);
+        if (!may_set(function, *s)) return Status::error;
+        const std::uint32_t count = count_of<A>(*s);
+        if (done + count > n_values) return error("%s: %zu values given, more expected", function, n_values);
+        for (std::uint32_t e = 0; e < count; ++e) {
+            if (!in_range(function, v, vrs[i] - v.vr + e, static_cast<double>(values[done + e]))) return Status::error;
+        }
+        done += count;
+    }
+    return done == n_values ? Status::ok : error("%s: %zu values given, %zu expected", function, n_values, done);
+}
+
+template <Addressing A, class Value>
+Status Instance::set_values(const char* function, const std::uint32_t* vrs, std::size_t n, const Value* values,
+                            std::size_t n_values) {
+    const bool plain = all_plain<A>(vrs, n, values, n_values);
+    if (!plain) {  // all values are checked before the first one is stored
+        const Status status = check_values<A>(function, vrs, n, values, n_values);
+        if (status != Status::ok) return status;
+        parameters_checked_ = false;
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        const Scalar& s = scalars_[vrs[i]];
+        const std::uint32_t count = count_of<A>(s);
+        auto* to = static_cast<Value*>(s.data);
+        for (std::uint32_t e = 0; e < count; ++e) to[e] = *values++;
+        inputs_checked_ = inputs_checked_ && !s.checked_input;
+    }
+    outputs_fresh_ = derivatives_fresh_ = false;
+    return Status::ok;
+}
+
+// --------------------------------------------------------------------------------------------------- evaluation
+
+Status Instance::check_parameters() {
+    if (parameters_checked_) return Status::ok;
+    for (const Variable& v : table()) {
+        if (v.causality == Causality::input || v.kind == Kind::any) continue;
+        const bool start_value =
+            v.causality == Causality::parameter || (v.role == Role::state && (mode_ & mode_initialization) != 0);
+        if (!start_value) continue;
+        if (v.kind == Kind::inertia) {
+            if (const char* fault = inertia_fault(floats(v)); fault != nullptr) {
+                const double* J = floats(v);
+                return error("%s = [%g %g %g; %g %g %g; %g %g %g] %s", v.name, J[0], J[1], J[2], J[3], J[4], J[5], J[6],
+                             J[7], J[8], fault);
+            }
+        } else {
+            if (!is_unit(v)) {
+                return error("%s has norm %g: a unit quaternion is expected, scalar first", v.name,
+                             std::sqrt(squared_norm(v)));
+            }
+            normalise(v);
+        }
+    }
+    if (const char* fault = model_->validate(); fault != nullptr) return error("%s", fault);
+    parameters_checked_ = true;
+    if ((mode_ & mode_initialization) != 0) start_clock();
+    return Status::ok;
+}
+
+Status Instance::check_inputs() {
+    if (inputs_checked_) return Status::ok;
+    for (std::size_t i = 0; i < n_unit_inputs_; ++i) {
+        const Variable& v = *unit_inputs_[i];
+        if (!is_unit(v)) {
+            return error("at t = %g: input %s has norm %g: a unit quaternion is expected, scalar first", time_, v.name,
+                         std::sqrt(squared_norm(v)));
+        }
+    }
+    inputs_checked_ = true;
+    return Status::ok;
+}
+
+Status Instance::finite(double* const* values, std::size_t n, const char* what) {
+    double zero = 0.0;
+    for (std::size_t i = 0; i < n; ++i) zero += 0.0 * *values[i];  // NaN once any value is not finite
+    if (zero == 0.0) return Status::ok;
+    for (const Variable& v : table()) {
+        for (std::uint32_t e = 0; v.type == Type::float64 && e < v.size; ++e) {
+            for (std::size_t i = 0; i < n; ++i) {
+                if (values[i] != floats(v) + e || std::isfinite(*values[i])) continue;
+                char name[128];
+                element_name(v, e, name, sizeof name);
+                return error("at t = %g: %s %s is %g", time_, what, name, *values[i]);
+            }
+        }
+    }
+    return Status::error;
+}
+
+Status Instance::evaluate() {
+    if (outputs_fresh_) return Status::ok;
+    if (Status status = check_parameters(); status != Status::ok) return status;
+    if (Status status = check_inputs(); status != Status::ok) return status;
+    if (at_sample_) take_sample();
+    model_->outputs();
+    outputs_fresh_ = true;
+    derivatives_fresh_ = false;
+    const Status status = finite(outputs_ptr_, n_outputs_, "output");
+    outputs_fresh_ = status == Status::ok;
+    return status;
+}
+
+Status Instance::evaluate_derivatives() {
+    if (Status status = evaluate(); status != Status::ok) return status;
+    if (derivatives_fresh_) return Status::ok;
+    model_->derivatives();
+    const Status status = finite(rates_ptr_, n_states_, "derivative of");
+    derivatives_fresh_ = status == Status::ok;
+    return status;
+}
+
+void Instance::move_to(double time) {
+    time_ = time;
+    *clock_time_ = time;
+    outputs_fresh_ = derivatives_fresh_ = false;
+}
+
+void Instance::read_states(double* x) const {
+    for (std::size_t i = 0; i < n_states_; ++i) x[i] = *states_ptr_[i];
+}
+
+void Instance::read_rates(double* xdot) const {
+    for (std::size_t i = 0; i < n_states_; ++i) xdot[i] = *rates_ptr_[i];
+}
+
+void Instance::write_states(const double* x) {
+    for (std::size_t i = 0; i < n_states_; ++i) *states_ptr_[i] = x[i];
+    outputs_fresh_ = derivatives_fresh_ = false;
+}
+
+// ------------------------------------------------------------------------------------------------------- samples
+// A sample taken at a communication point is tentative: the importer may still set inputs there and read the
+// outputs again. It is repeated from the values held before, and counts once time moves on.
+
+bool Instance::sample_due(double time) const {
+    return clock_.period > 0.0 && instant(next_sample_) <= time + clock_tolerance * clock_.period;
+}
+
+void Instance::copy_held(double* held, bool store) {
+    for (const Variable& v : table()) {
+        if (v.role != Role::held) continue;
+        if (store) {
+            std::memcpy(held, v.data, v.size * sizeof(double));
+        } else {
+            std::memcpy(v.data, held, v.size * sizeof(double));
+        }
+        held += v.size;
+    }
+}
+
+void Instance::take_sample() {
+    copy_held(held_, false);
+    model_->sample(next_sample_);
+}
+
+void Instance::commit_sample() {
+    event("sample %lld at t = %g", static_cast<long long>(next_sample_), time_);
+    copy_held(held_, true);
+    ++next_sample_;
+    at_sample_ = false;
+}
+
+// ------------------------------------------------------------------------------------------------- Co-Simulation
+
+void Instance::rates(double time) {
+    *clock_time_ = time;
+    model_->outputs();
+    model_->derivatives();
+}
+
+void Instance::normalise_states() {
+    for (std::size_t i = 0; i < n_unit_states_; ++i) normalise(*unit_states_[i]);
+}
+
+/// Classical Runge-Kutta of order 4 in equal steps not longer than max_internal_step, quaternions renormalised.
+void Instance::integrate(double from, double to) {
+    if (n_states_ != 0 && to > from) {
+        double* x0 = work_;
+        double* sum = work_ + n_states_;
+        const double steps = std::fmax(1.0, std::ceil((to - from) / *max_internal_step_ - 1e-9));
+        const double h = (to - from) / steps;
+        /// Adds the rates to the sum and sets the states to x0 + advance * rates.
+        const auto stage = [&](double time, double weight, double advance) {
+            rates(time);
+            for (std::size_t j = 0; j < n_states_; ++j) {
+                const double k = *rates_ptr_[j];
+                sum[j] += weight * k;
+                *states_ptr_[j] = x0[j] + advance * k;
+            }
+        };
+        for (double i = 0.0; i < steps; ++i) {
+            const double t = from + i * h;
+            for (std::size_t j = 0; j < n_states_; ++j) {
+                x0[j] = *states_ptr_[j];
+                sum[j] = 0.0;
+            }
+            stage(t, 1.0, 0.5 * h);
+            stage(t + 0.5 * h, 2.0, 0.5 * h);
+            stage(t + 0.5 * h, 2.0, h);
+            rates(t + h);
+            for (std::size_t j = 0; j < n_states_; ++j) *states_ptr_[j] = x0[j] + h / 6.0 * (sum[j] + *rates_ptr_[j]);
+            normalise_states();
+        }
+    }
+    move_to(to);
+}
+
+Status Instance::do_step(double time, double step) {
+    if (!std::isfinite(step) || step <= 0.0)
+        return error("step size %g refused: a positive finite number is expected", step);
+    if (!(std::fabs(time - time_) <= 1e-9 * (step + std::fabs(time_)))) {
+        return error("step from t = %.17g refused: this instance is at t = %.17g", time, time_);
+    }
+    const double end = time + step;
+    if (stop_defined_ && end > stop_time_ + 1e-9 * (step + std::fabs(stop_time_))) {
+        return error("step to t = %.17g refused: the stop time is %.17g", end, stop_time_);
+    }
+    if (Status status = check_parameters(); status != Status::ok) return status;
+    if (Status status = check_inputs(); status != Status::ok) return status;
+    if (at_sample_) {
+        if (Status status = evaluate(); status != Status::ok) return status;
+        commit_sample();
+    }
+    double from = time;
+    while (sample_due(end) && instant(next_sample_) < end - clock_tolerance * clock_.period) {
+        integrate(from, instant(next_sample_));
+        from = time_;
+        at_sample_ = true;
+        take_sample();
+        commit_sample();
+    }
+    integrate(from, end);
+    at_sample_ = sample_due(end);
+    return finite(states_ptr_, n_states_, "state");
+}
+
+// ------------------------------------------------------------------------------------------------ Model Exchange
+
+Status Instance::set_time(double time) {
+    if (!std::isfinite(time)) return error("time %g is not finite", time);
+    move_to(time);
+    return Status::ok;
+}
+
+Status Instance::set_states(const double* values, std::size_t n) {
+    if (n != n_states_) return error("%zu states given, %zu expected", n, n_states_);
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!std::isfinite(values[i]))
+            return error("at t = %g: continuous state %zu = %g refused: a finite number is expected", time_, i + 1,
+                         values[i]);
+    }
+    write_states(values);
+    return Status::ok;
+}
+
+Status Instance::get_states(double* values, std::size_t n) {
+    if (n != n_states_) return error("%zu states asked for, there are %zu", n, n_states_);
+    if (Status status = check_parameters(); status != Status::ok) return status;
+    read_states(values);
+    return Status::ok;
+}
+
+Status Instance::get_derivatives(double* values, std::size_t n) {
+    if (n != n_states_) return error("%zu derivatives asked for, there are %zu", n, n_states_);
+    if (Status status = evaluate_derivatives(); status != Status::ok) return status;
+    read_rates(values);
+    return Status::ok;
+}
+
+Status Instance::get_nominals(double* values, std::size_t n) {
+    if (n != n_states_) return error("%zu nominals asked for, there are %zu", n, n_states_);
+    for (const Variable& v : table()) {
+        if (v.role != Role::state) continue;
+        for (std::uint32_t e = 0; e < v.size; ++e) *values++ = v.nominal;
+    }
+    return Status::ok;
+}
+
+Status Instance::enter_event_mode() {
+    mode_ = mode_event;
+    at_sample_ = sample_due(time_);
+    outputs_fresh_ = outputs_fresh_ && !at_sample_;
+    return Status::ok;
+}
+
+Status Instance::update_discrete_states(bool* next_event_defined, double* next_event) {
+    if (Status status = evaluate(); status != Status::ok) return status;
+    *next_event_defined = clock_.period > 0.0;
+    *next_event = instant(next_sample_ + (at_sample_ ? 1 : 0));
+    return Status::ok;
+}
+
+Status Instance::enter_continuous_time() {
+    if (Status status = evaluate(); status != Status::ok) return status;
+    if (at_sample_) commit_sample();
+    mode_ = mode_continuous;
+    return Status::ok;
+}
+
+// --------------------------------------------------------------------------------------- directional derivatives
+
+template <Addressing A>
+Status Instance::expand(const char* function, const std::uint32_t* vrs, std::size_t n, Directional* scalars,
+                        std::size_t n_scalars) {
+    std::size_t done = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        const Scalar* s = find<A>(function, vrs[i]);
+        if (s == nullptr) return Status::error;
+        const Variable* v = s->variable;
+        if (v->type != Type::float64 || v->role == Role::held || v->causality == Causality::independent) {
+            return error("%s: %s has no derivative", function, v->name);
+        }
+        const std::uint32_t count = count_of<A>(*s);
+        if (done + count > n_scalars || done + count > table().next_vr) {
+            return error("%s: %zu values given, more expected", function, n_scalars);
+        }
+        for (std::uint32_t e = 0; e < count; ++e) scalars[done++].vr = vrs[i] + e;
+    }
+    return done == n_scalars ? Status::ok : error("%s: %zu values given, %zu expected", function, n_scalars, done);
+}
+
+Status Instance::differentiate(const char* function, Addressing addressing, const std::uint32_t* unknowns,
+                               std::size_t n_unknowns, const std::uint32_t* knowns, std::size_t n_knowns,
+                               const double* seed, std::size_t n_seed, double* sensitivity, std::size_t n_sensitivity) {
+    Directional* known = directional_;
+    Directional* unknown = directional_ + table().next_vr;
+    const auto scalars = addressing == Addressing::scalars ? &Instance::expand<Addressing::scalars>
+                                                           : &Instance::expand<Addressing::arrays>;
+    if (Status status = (this->*scalars)(function, knowns, n_knowns, known, n_seed); status != Status::ok)
+        return status;
+    if (Status status = (this->*scalars)(function, unknowns, n_unknowns, unknown, n_sensitivity); status != Status::ok)
+        return status;
+    for (std::size_t i = 0; i < n_seed; ++i) {
+        const Variable& v = table().variables[table().owner[known[i].vr]];
+        if (v.causality != Causality::input && v.causality != Causality::parameter && v.role != Role::state) {
+            return error("%s: %s is not an input, state or parameter", function, v.name);
+        }
+        known[i].value = seed[i];
+    }
+    for (std::size_t i = 0; i < n_sensitivity; ++i) {
+        const Variable& v = table().variables[table().owner[unknown[i].vr]];
+        if (v.causality != Causality::output && v.role != Role::derivative) {
+            return error("%s: %s is not an output or derivative", function, v.name);
+        }
+    }
+    if (Status status = evaluate_derivatives(); status != Status::ok) return status;
+    if (at_sample_) {
+        copy_held(held_, false);
+        outputs_fresh_ = derivatives_fresh_ = false;
+    }
+    if (!model_->differentiate(known, n_seed, unknown, n_sensitivity, at_sample_, next_sample_)) {
+        return error("%s: this component has no derivatives", function);
+    }
+    for (std::size_t i = 0; i < n_sensitivity; ++i) sensitivity[i] = unknown[i].value;
+    return Status::ok;
+}
+
+// -------------------------------------------------------------------------------------------------- saved states
+
+namespace {
+
+struct Header {
+    std::uint32_t magic;
+    std::uint32_t size;
+    char token[40];
+    double time, stop_time;
+    SampleTimes clock;
+    std::int64_t next_sample;
+    std::uint32_t mode;
+    std::uint8_t stop_defined, at_sample, interface, unused;
+};
+
+}  // namespace
+
+std::size_t Instance::state_size() const { return sizeof(Header) + (table().next_vr + n_held_) * sizeof(double); }
+
+void Instance::save(std::byte* bytes) const {
+    Header header{};
+    header.magic = state_magic;
+    header.size = static_cast<std::uint32_t>(state_size());
+    make_token(*model_, header.token);
+    header.time = time_;
+    header.stop_time = stop_time_;
+    header.clock = clock_;
+    header.next_sample = next_sample_;
+    header.mode = mode_;
+    header.stop_defined = stop_defined_ ? 1 : 0;
+    header.at_sample = at_sample_ ? 1 : 0;
+    header.interface = static_cast<std::uint8_t>(interface_);
+    std::memcpy(bytes, &header, sizeof header);
+    bytes += sizeof header;
+    for (const Variable& v : table()) {
+        for (std::uint32_t e = 0; e < v.size; ++e, bytes += sizeof(double)) {
+            const double value = v.type == Type::float64 ? floats(v)[e] : static_cast<double>(integers(v)[e]);
+            std::memcpy(bytes, &value, sizeof value);
+        }
+    }
+    std::memcpy(bytes, held_, n_held_ * sizeof(double));
+}
+
+Status Instance::save_new(void** state) {
+    if (*state == nullptr) *state = std::malloc(state_size());
+    if (*state == nullptr) return error("no memory for a saved state");
+    save(static_cast<std::byte*>(*state));
+    return Status::ok;
+}
+
+Status Instance::serialize(const char* function, const std::byte* state, void* bytes, std::size_t size) {
+    if (state == nullptr || size < state_size())
+        return error("%s: %zu bytes given, %zu expected", function, size, state_size());
+    std::memcpy(bytes, state, state_size());
+    return Status::ok;
+}
+
+Status Instance::deserialize(const char* function, const void* bytes, std::size_t size, void** state) {
+    if (size != state_size()) return error("%s: %zu bytes given, %zu expected", function, size, state_size());
+    if (*state == nullptr) *state = std::malloc(size);
+    if (*state == nullptr) return error("no memory for a saved state");
+    std::memcpy(*state, bytes, size);
+    return Status::ok;
+}
+
+Status Instance::restore(const char* function, const std::byte* bytes, std::size_t size) {
+    Header header;
+    char token[40];
+    make_token(*model_, token);
+    if (bytes == nullptr || size < sizeof header) return error("%s: %zu bytes are not a saved state", function, size);
+    std::memcpy(&header, bytes, sizeof header);
+    if (header.magic != state_magic || header.size != state_size() || size != state_size() ||
+        std::memcmp(header.token, token, sizeof token) != 0 ||
+        header.interface != static_cast<std::uint8_t>(interface_)) {
+        return error("%s: the saved state is not from this kind of component", function);
+    }
+    time_ = header.time;
+    stop_time_ = header.stop_time;
+    clock_ = header.clock;
+    next_sample_ = header.next_sample;
+    mode_ = static_cast<Mode>(header.mode);
+    stop_defined_ = header.stop_defined != 0;
+    at_sample_ = header.at_sample != 0;
+    bytes += sizeof header;
+    for (const Variable& v : table()) {
+        for (std::uint32_t e = 0; e < v.size; ++e, bytes += sizeof(double)) {
+            double value;
+            std::memcpy(&value, bytes, sizeof value);
+            if (v.type == Type::float64) {
+                floats(v)[e] = value;
+            } else {
+                integers(v)[e] = static_cast<std::int32_t>(value);
+            }
+        }
+    }
+    std::memcpy(held_, bytes, n_held_ * sizeof(double));
+    outputs_fresh_ = derivatives_fresh_ = inputs_checked_ = false;
+    // Renormalising a quaternion a second time could change its last bit, so parameters stay as they were checked.
+    parameters_checked_ = (mode_ & (mode_instantiated | mode_initialization)) == 0;
+    return Status::ok;
+}
+
+}  // namespace adcs

@@ -1,0 +1,207 @@
+// One FMU instance: its mode, time, values, integrator and sampling clock. FMI 2 and FMI 3 are thin layers on this.
+#pragma once
+
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+
+#include "fmi/model.hpp"
+
+namespace adcs {
+
+enum class Status : int { ok, warning, discard, error, fatal };  // the numbers of fmi2Status and fmi3Status
+enum class Interface : std::uint8_t { model_exchange, co_simulation };
+/// FMI 2 addresses scalars, FMI 3 whole arrays by the reference of their first element.
+enum class Addressing : std::uint8_t { scalars, arrays };
+
+/// Modes as bits, so that a set of allowed modes is one number.
+enum Mode : unsigned {
+    mode_instantiated = 1,
+    mode_initialization = 2,
+    mode_event = 4,
+    mode_continuous = 8,
+    mode_step = 16,
+    mode_terminated = 32,
+};
+inline constexpr unsigned mode_running = mode_event | mode_continuous | mode_step;
+inline constexpr unsigned mode_readable = mode_initialization | mode_running | mode_terminated;
+
+/// Where messages go; `category` is one of log_categories.
+struct Log {
+    void (*write)(void* context, Status status, const char* category, const char* message) = nullptr;
+    void* context = nullptr;
+};
+
+struct LogCategory {
+    const char* name;
+    const char* description;
+};
+inline constexpr LogCategory log_categories[] = {
+    {"logStatusError", "refused calls and values, failed evaluations"},
+    {"logStatusWarning", "things that work but are probably not meant"},
+    {"logEvents", "mode changes and samples"},
+};
+
+class Instance {
+public:
+    /// nullptr without memory or if the token is not this binary's; the log says why.
+    static Instance* create(const char* name, const char* token, Interface interface, const Log& log);
+    static void destroy(Instance* instance);
+
+    /// True in one of the modes; else logs that `function` may not be called now.
+    bool allowed(unsigned modes, const char* function) { return (mode_ & modes) != 0 || refuse(function); }
+    Interface interface() const { return interface_; }
+    const Table& table() const { return model_->table(); }
+
+    Status set_debug_logging(bool on, std::size_t n, const char* const* categories);
+    Status setup(bool stop_defined, double start, double stop);
+    Status enter_initialization();
+    Status exit_initialization();
+    Status terminate();
+    Status reset();
+
+    Status get(const char* function, Addressing, const std::uint32_t* vrs, std::size_t n, double* values,
+               std::size_t n_values);
+    Status get(const char* function, Addressing, const std::uint32_t* vrs, std::size_t n, std::int32_t* values,
+               std::size_t n_values);
+    Status set(const char* function, Addressing, const std::uint32_t* vrs, std::size_t n, const double* values,
+               std::size_t n_values);
+    Status set(const char* function, Addressing, const std::uint32_t* vrs, std::size_t n, const std::int32_t* values,
+               std::size_t n_values);
+
+    Status differentiate(const char* function, Addressing, const std::uint32_t* unknowns, std::size_t n_unknowns,
+                         const std::uint32_t* knowns, std::size_t n_knowns, const double* seed, std::size_t n_seed,
+                         double* sensitivity, std::size_t n_sensitivity);
+
+    // Co-Simulation
+    Status do_step(double time, double step);
+    double time() const { return time_; }
+
+    // Model Exchange
+    std::size_t states() const { return n_states_; }
+    Status set_time(double time);
+    Status set_states(const double* values, std::size_t n);
+    Status get_states(double* values, std::size_t n);
+    Status get_derivatives(double* values, std::size_t n);
+    Status get_nominals(double* values, std::size_t n);
+    Status enter_event_mode();
+    Status update_discrete_states(bool* next_event_defined, double* next_event);
+    Status enter_continuous_time();
+
+    // The whole state as bytes, also a serialised form that another instance of the same component can read.
+    std::size_t state_size() const;
+    Status restore(const char* function, const std::byte* bytes, std::size_t size);
+    /// Into `state`, which is allocated with malloc where it is null.
+    Status save_new(void** state);
+    Status serialize(const char* function, const std::byte* state, void* bytes, std::size_t size);
+    Status deserialize(const char* function, const void* bytes, std::size_t size, void** state);
+
+    /// Reports and returns an error.
+    Status error(const char* format, ...) __attribute__((format(printf, 2, 3)));
+
+private:
+    bool refuse(const char* function);
+    Instance(const char* name, Interface interface, const Log& log, Model* model);
+    ~Instance();
+
+    void message(Status status, const char* category, const char* format, std::va_list arguments);
+    void event(const char* format, ...) __attribute__((format(printf, 2, 3)));
+    /// What the hot path needs of one value reference.
+    struct Scalar {
+        const Variable* variable;
+        void* data;
+        std::uint32_t array_size;  ///< elements of the array that starts here; 0 inside an array
+        Type type;
+        bool computed;  ///< an output or local
+        bool rate;      ///< a state derivative
+        bool bounded;
+        bool set_early;      ///< may be set until initialization is over
+        bool set_running;    ///< may be set afterwards
+        bool plain_input;    ///< float64 input without bounds: any finite value may be set at any time
+        bool checked_input;  ///< input with a condition on the whole array
+    };
+
+    // Templated on the addressing so that the loops over scalars have no inner loop.
+    template <Addressing A>
+    static std::uint32_t count_of(const Scalar& s) {
+        return A == Addressing::scalars ? 1 : s.array_size;
+    }
+    template <Addressing A>
+    const Scalar* find(const char* function, std::uint32_t vr);
+    template <Addressing A, class Value>
+    bool all_plain(const std::uint32_t* vrs, std::size_t n, const Value* values, std::size_t n_values) const;
+    template <Addressing A, class Value>
+    Status check_values(const char* function, const std::uint32_t* vrs, std::size_t n, const Value* values,
+                        std::size_t n_values);
+    template <Addressing A, class Value>
+    Status get_values(const char* function, const std::uint32_t* vrs, std::size_t n, Value* values,
+                      std::size_t n_values);
+    template <Addressing A, class Value>
+    Status set_values(const char* function, const std::uint32_t* vrs, std::size_t n, const Value* values,
+                      std::size_t n_values);
+    bool may_set(const char* function, const Scalar& s);
+    bool in_range(const char* function, const Variable& v, std::uint32_t element, double value);
+    template <Addressing A>
+    Status expand(const char* function, const std::uint32_t* vrs, std::size_t n, Directional* scalars,
+                  std::size_t n_scalars);
+
+    Status check_parameters();
+    Status check_inputs();
+    Status evaluate();
+    Status evaluate_derivatives();
+    void move_to(double time);
+    void start_clock();
+    double instant(std::int64_t k) const { return clock_.offset + static_cast<double>(k) * clock_.period; }
+    bool sample_due(double time) const;
+    void take_sample();
+    void commit_sample();
+    void copy_held(double* held, bool store);
+    void integrate(double from, double to);
+    void normalise_states();
+    void save(std::byte* bytes) const;
+    void write_states(const double* x);
+    void read_states(double* x) const;
+    void read_rates(double* xdot) const;
+    void rates(double time);
+    Status finite(double* const* values, std::size_t n, const char* what);
+
+    char name_[128];
+    Interface interface_;
+    Log log_;
+    bool log_events_ = false;
+    Model* model_;
+    std::size_t n_states_ = 0, n_outputs_ = 0, n_held_ = 0, n_unit_inputs_ = 0, n_unit_states_ = 0;
+    // One block of memory, cut up in the constructor; where things are, so that the loop need not search the table.
+    void* memory_ = nullptr;
+    Scalar* scalars_;  ///< by FMI 2 value reference
+    std::uint32_t n_scalars_;
+    Directional* directional_;
+    double** states_ptr_;
+    double** rates_ptr_;
+    double** outputs_ptr_;
+    const Variable** unit_inputs_;  ///< inputs that must be unit quaternions
+    const Variable** unit_states_;
+    double* work_;        ///< states at the start of an integrator step, and the weighted sum of its rates
+    double* held_;        ///< held values before the pending sample
+    double* clock_time_;  ///< time as the component sees it
+    const double* max_internal_step_ = nullptr;
+
+    Mode mode_ = mode_instantiated;
+    double time_ = 0.0;
+    double stop_time_ = 0.0;
+    bool stop_defined_ = false;
+    SampleTimes clock_;
+    std::int64_t next_sample_ = 0;
+    bool at_sample_ = false;      ///< time is a sample instant; the sample counts once time moves on
+    bool outputs_fresh_ = false;  ///< outputs belong to the present time, states and inputs
+    bool derivatives_fresh_ = false;
+    bool parameters_checked_ = false;
+    bool inputs_checked_ = false;
+};
+
+/// The identity of a component's declaration: changes whenever names, types, shapes or references do.
+void make_token(const Model& model, char (&token)[40]);
+/// "q_BN[2]", "J_B[1,3]" or the bare name of a scalar.
+void element_name(const Variable& v, std::uint32_t element, char* buffer, std::size_t size);
+
+}  // namespace adcs

@@ -1,0 +1,1 @@
+"""The FMI adaptor, called through fmpy."""

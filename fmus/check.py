@@ -24,7 +24,7 @@ class Finding:
 
 def check(path: Path | str) -> list[Finding]:
     """Everything found wrong with the FMU at `path`; empty if it is fine. It need not exist or be a ZIP file."""
-    return list(_check(Path(path)))
+    return list(dict.fromkeys(_check(Path(path))))
 
 
 def _check(path: Path) -> Iterator[Finding]:

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-from rich.table import Table
+from rich.table import Column, Table
 
 from fmus import catalog
 from fmus.build import build, describe
@@ -127,7 +127,7 @@ def check_command(
     if as_json:
         _print_json([{"path": str(p), "findings": [asdict(f) for f in found]} for p, found in findings.items()])
     else:
-        table = Table("FMU", "Check", "Finding")
+        table = Table(Column("FMU", overflow="fold"), Column("Check", no_wrap=True), Column("Finding", overflow="fold"))
         for path, found in findings.items():
             for finding in found or [Finding("", "[green]nothing wrong[/green]")]:
                 table.add_row(path.name, finding.rule, finding.message)

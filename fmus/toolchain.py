@@ -46,7 +46,8 @@ COMPILE_FLAGS = (
     *("-std=c++17", "-O2", "-DNDEBUG"),  # without -O zig inserts traps of the undefined behaviour sanitizer
     *("-fno-exceptions", "-fno-rtti"),
     "-ffp-contract=off",  # same digits on every platform
-    *("-fvisibility=hidden", "-fvisibility-inlines-hidden", "-ffunction-sections", "-fdata-sections"),
+    *("-fvisibility=hidden", "-fvisibility-inlines-hidden", "-fvisibility-global-new-delete=force-hidden"),
+    *("-ffunction-sections", "-fdata-sections"),
     *("-Wall", "-Wextra"),
     *(f"-I{SOURCES}", f"-isystem{EIGEN}", f"-isystem{FMI_HEADERS}"),
 )

@@ -1,5 +1,6 @@
 """What an FMU does when it is loaded on this machine; in a process of its own, since it might crash."""
 
+import math
 import os
 import subprocess
 import sys
@@ -41,7 +42,8 @@ def check_behaviour(path: Path) -> Iterator[str]:
         else:
             said = line  # the FMU's own last message explains what follows
     if result.returncode != 0:
-        yield f"instantiating ends with exit code {result.returncode}: {result.stderr.strip().splitlines()[-1:] or said}"
+        last_words = result.stderr.strip().splitlines()[-1:] or [said]
+        yield f"instantiating ends with exit code {result.returncode}: {last_words[0]}"
 
 
 def _try(path: Path) -> Iterator[str]:
@@ -91,13 +93,12 @@ def _try(path: Path) -> Iterator[str]:
 
 
 def _check_starts(fmu: FMU2Slave | FMU3Slave, model: ModelDescription) -> Iterator[str]:
-    getters = {"Real": "getReal", "Integer": "getInteger"}
     for v in model.modelVariables:
-        get = getattr(fmu, getters.get(v.type, f"get{v.type}"), None)
-        if v.start is None or get is None or v.type in ("String", "Binary", "Boolean"):
+        if v.start is None or v.type in ("String", "Binary", "Boolean", "Enumeration"):
             continue
         declared = [float(x) for x in str(v.start).split()]
-        actual = [float(x) for x in get([v.valueReference])]
+        size = {"nValues": math.prod(v.shape)} if model.fmiVersion.startswith("3.") else {}
+        actual = [float(x) for x in getattr(fmu, f"get{v.type}")([v.valueReference], **size)]
         if declared != actual and declared * len(actual) != actual:  # FMI 3: one value may stand for all
             yield f"{v.name} starts at {actual}, but the XML says {declared}"
 

@@ -58,6 +58,11 @@ const char* inertia_fault(const double* J) {
     return nullptr;
 }
 
+void destroy_model(Model* model) {  // made by make_model() in memory from malloc
+    model->~Model();
+    std::free(model);
+}
+
 class Hash {  // FNV-1a, 64 bit
 public:
     explicit Hash(std::uint64_t basis) : value_(basis) {}
@@ -114,7 +119,7 @@ Instance* Instance::create(const char* name, const char* token, Interface interf
     if (model == nullptr) return nullptr;
     void* memory = std::malloc(sizeof(Instance));
     if (memory == nullptr) {
-        delete model;
+        destroy_model(model);
         return nullptr;
     }
     auto* instance = new (memory) Instance(name == nullptr ? "" : name, interface, log, model);
@@ -209,7 +214,7 @@ Instance::Instance(const char* name, Interface interface, const Log& log, Model*
 
 Instance::~Instance() {
     std::free(memory_);
-    delete model_;
+    destroy_model(model_);
 }
 
 void Instance::destroy(Instance* instance) {
@@ -289,7 +294,8 @@ Status Instance::enter_initialization() {
 void Instance::start_clock() {
     clock_ = model_->sample_times();
     const double passed = clock_.period > 0.0 ? (time_ - clock_.offset) / clock_.period : 0.0;
-    next_sample_ = passed > 0.0 ? static_cast<std::int64_t>(std::ceil(passed - clock_tolerance)) : 0;
+    // A run that starts between two instants takes the earlier one's sample at its start: nothing is held unset.
+    next_sample_ = passed > 0.0 ? static_cast<std::int64_t>(std::floor(passed + clock_tolerance)) : 0;
     at_sample_ = sample_due(time_);
 }
 

@@ -93,13 +93,15 @@ def test_a_draw_holds_from_its_instant_to_the_next(version: int) -> None:
         assert seen[k + 2].tolist() != seen[k].tolist()
 
 
-def test_late_start_draws_what_belongs_to_that_time(version: int) -> None:
+@pytest.mark.parametrize("start", [1.0, 1.03])
+def test_late_start_draws_what_belongs_to_that_time(version: int, start: float) -> None:
     settings = {"half_angle": 0.05, "redraw_period": 0.1}
     with (
         Raw("StarTracker", version).initialize(**settings) as early,
-        Raw("StarTracker", version).initialize(start=1.0, **settings) as late,
+        Raw("StarTracker", version).initialize(start=start, **settings) as late,
     ):
-        early.step(0.0, 1.0)
+        early.step(0.0, start)
+        assert noise(early)[3] > 0
         assert noise(early).tolist() == noise(late).tolist()
 
 

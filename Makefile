@@ -1,0 +1,74 @@
+# make demo   the main job: install, build the FMUs for this machine, run a closed loop, write a report
+# make test   the tests
+# Both need only Python 3.11+, make and git: the compiler is a Python package.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+SOURCES_CXX = $(shell git ls-files '*.hpp' '*.cpp' 'orchestration/engine/*.c' 'orchestration/engine/*.h')
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test lint format fmus check bench sanitize lock clean
+
+help:
+	@sed -n 's/^# \{0,1\}//p' Makefile | head -3
+	@echo "make lint | format | fmus (all platforms) | check | sanitize | bench | lock | clean"
+
+$(VENV)/installed: requirements/run.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed, this is " + sys.version.split()[0] + "; try: make PYTHON=python3.12" if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/run.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	@touch $@
+
+$(VENV)/installed-dev: $(VENV)/installed requirements/dev.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/dev.lock
+	@touch $@
+
+demo: $(VENV)/installed
+	$(BIN)/adcs build
+	$(BIN)/adcs run observer-pd
+
+test: $(VENV)/installed-dev
+	$(BIN)/adcs build
+	$(BIN)/python -m pytest
+
+fmus: $(VENV)/installed
+	$(BIN)/adcs build --all-platforms
+
+check: $(VENV)/installed
+	$(BIN)/adcs check
+
+lint: $(VENV)/installed-dev
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/clang-format --dry-run --Werror $(SOURCES_CXX)
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/cmake --preset release
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/cmake --build --preset release
+
+format: $(VENV)/installed-dev
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+	$(BIN)/clang-format -i $(SOURCES_CXX)
+
+# Needs a system C++ compiler with the sanitizers' libraries, GCC or Clang.
+sanitize: $(VENV)/installed-dev
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/cmake --preset sanitize
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/cmake --build --preset sanitize
+	$(BIN)/ctest --preset sanitize
+	$(BIN)/adcs build
+	$(BIN)/python tests/sanitized.py
+
+bench: $(VENV)/installed-dev
+	$(BIN)/adcs build
+	$(BIN)/python -m benchmarks
+
+# Names, versions and hashes of everything that is installed, for all platforms and Python versions.
+lock:
+	$(BIN)/python -m pip install --quiet uv
+	$(BIN)/uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url --quiet -o requirements/run.lock
+	$(BIN)/uv pip compile pyproject.toml --all-extras --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url --quiet -o requirements/dev.lock
+
+clean:
+	rm -rf build fmus/dist results

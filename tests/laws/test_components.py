@@ -1,0 +1,388 @@
+"""Each component alone: outputs, derivatives and directional derivatives at random points against the recomputation."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.stats import chisquare, kstest
+
+from . import reference as ref
+from .fmu_access import VERSIONS, Component, united, unpacked
+from .reference import Array, Reference, rate_along, rotation
+
+Point = dict[str, Array]
+POINTS = 20
+
+
+def quaternion(rng: np.random.Generator) -> Array:
+    q = rng.normal(size=4)
+    return q / np.linalg.norm(q)
+
+
+def inertia(rng: np.random.Generator) -> Array:
+    """Of six unequal point masses, hence physical."""
+    return np.sum(
+        [
+            m * (r @ r * np.eye(3) - np.outer(r, r))
+            for m, r in zip(rng.uniform(1, 5, 6), rng.normal(size=(6, 3)), strict=True)
+        ],
+        axis=0,
+    )
+
+
+@dataclass(frozen=True)
+class Law:
+    """How to draw a point (parameters, states, inputs, time), and what the component must answer there."""
+
+    draw: Callable[[np.random.Generator], Point]
+    outputs: Callable[[Mapping[str, Any]], Point]
+    rates: Callable[[Mapping[str, Any]], Point]
+
+
+def profile(p: Mapping[str, Any]) -> Reference:
+    scalars = {n: float(p[n]) for n in ("amplitude", "frequency", "decay", "ramp", "wobble")}
+    return Reference(**scalars, axis=tuple(p["axis"]), q_0=tuple(p["q_RN_0"]))
+
+
+def observer_error(p: Mapping[str, Any]) -> Point:
+    c, q = ref.error(p["q_BN"], p["q_EN"])
+    return {"omega_BN_B_est": c @ p["omega_EN_E"], "q_BE": q}
+
+
+def control_error(p: Mapping[str, Any]) -> Point:
+    c, q = ref.error(p["q_BN"], p["q_RN"])
+    torque = ref.pd_torque(
+        p["J_B"], p["k_p"], p["k_v"], p["q_BN"], p["omega_BN_B"], p["q_RN"], p["omega_RN_R"], p["omegaDot_RN_R"]
+    )
+    return {"torque_B": torque, "q_BR": q, "omega_BR_B": p["omega_BN_B"] - c @ p["omega_RN_R"]}
+
+
+LAWS = {
+    "FixedAxisReference": Law(
+        draw=lambda rng: {
+            "amplitude": rng.normal(),
+            "frequency": rng.uniform(0, 2),
+            "decay": rng.uniform(0, 0.05),
+            "ramp": rng.normal(),
+            "wobble": rng.normal(),
+            "axis": rng.normal(size=3),
+            "q_RN_0": quaternion(rng),
+            "angle": rng.uniform(-10, 10),
+            "time": rng.uniform(0, 20),
+        },
+        outputs=lambda p: {
+            "angle": p["angle"],
+            "q_RN": profile(p).attitude(p["angle"]),
+            "omega_RN_R": profile(p).omega(p["time"]),
+            "omegaDot_RN_R": profile(p).omega_dot(p["time"]),
+        },
+        rates=lambda p: {"angle": profile(p).rate(p["time"]).real},
+    ),
+    "RigidBody": Law(
+        draw=lambda rng: {
+            "J_B": inertia(rng),
+            "q_BN": quaternion(rng),
+            "omega_BN_B": rng.normal(size=3),
+            "torque_B": rng.normal(size=3),
+            "torque_disturbance_B": rng.normal(size=3),
+        },
+        outputs=lambda p: {
+            "q_BN": p["q_BN"],
+            "omega_BN_B": p["omega_BN_B"],
+            "H_N": rotation(p["q_BN"]).apply(p["J_B"] @ p["omega_BN_B"]),
+            "kinetic_energy": p["omega_BN_B"] @ p["J_B"] @ p["omega_BN_B"] / 2,
+        },
+        rates=lambda p: {
+            "q_BN": ref.kinematics(p["q_BN"], p["omega_BN_B"]),
+            "omega_BN_B": ref.body_acceleration(p["J_B"], p["omega_BN_B"], p["torque_B"] + p["torque_disturbance_B"]),
+        },
+    ),
+    "SmoothRateObserver": Law(
+        draw=lambda rng: {
+            "J_B": inertia(rng),
+            "lambda": rng.uniform(0.1, 3),
+            "gamma": rng.uniform(0.1, 5),
+            "q_EN": quaternion(rng),
+            "omega_EN_E": rng.normal(size=3),
+            "q_BN": quaternion(rng),
+            "torque_B": rng.normal(size=3),
+        },
+        outputs=lambda p: {"q_EN": p["q_EN"], "omega_EN_E": p["omega_EN_E"], **observer_error(p)},
+        rates=lambda p: dict(
+            zip(
+                ("q_EN", "omega_EN_E"),
+                ref.observer_rates(
+                    p["J_B"], p["lambda"], p["gamma"], p["q_BN"], p["torque_B"], p["q_EN"], p["omega_EN_E"]
+                ),
+                strict=True,
+            )
+        ),
+    ),
+    "PdTracking": Law(
+        draw=lambda rng: {
+            "J_B": inertia(rng),
+            "k_p": rng.uniform(0.1, 3),
+            "k_v": rng.uniform(0.1, 10),
+            "q_BN": quaternion(rng),
+            "omega_BN_B": rng.normal(size=3),
+            "q_RN": quaternion(rng),
+            "omega_RN_R": rng.normal(size=3),
+            "omegaDot_RN_R": rng.normal(size=3),
+        },
+        outputs=control_error,
+        rates=lambda _: {},
+    ),
+}
+
+
+def opened(name: str, version: int, point: Point) -> Component:
+    """An instance at ``point``: its parameters as start values, then time, states and inputs while it runs."""
+    component = Component(name, version, {n: v for n, v in point.items() if is_parameter(name, version, n)})
+    component.at(float(point.get("time", 0.0)))
+    component.set_states(point)
+    component.set({n: v for n, v in point.items() if n in component.names("input")})
+    return component
+
+
+def is_parameter(name: str, version: int, variable: str) -> bool:
+    array = united(unpacked(name, version)[1]).get(variable)
+    return array is not None and array.first.causality == "parameter"
+
+
+def points(name: str, n: int = POINTS) -> list[Point]:
+    rng = np.random.default_rng(list(name.encode()))
+    return [{k: np.asarray(v) for k, v in LAWS[name].draw(rng).items()} for _ in range(n)]
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("name", LAWS)
+def test_outputs_and_derivatives(name: str, version: int) -> None:
+    law = LAWS[name]
+    for point in points(name):
+        with opened(name, version, point) as component:
+            outputs = law.outputs(point)
+            assert set(outputs) == set(component.names("output"))
+            for variable, expected in outputs.items():
+                np.testing.assert_allclose(component.get(variable), expected, rtol=1e-12, atol=1e-12, err_msg=variable)
+            rates, derivatives = law.rates(point), component.derivatives()
+            assert set(derivatives) == set(rates)
+            for state, expected in rates.items():
+                np.testing.assert_allclose(derivatives[state], expected, rtol=1e-12, atol=1e-12, err_msg=state)
+                np.testing.assert_array_equal(component.get(f"der({state})"), derivatives[state])
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_both_fmi_versions_give_the_same_bits(name: str) -> None:
+    for point in points(name, 3):
+        with opened(name, 2, point) as two, opened(name, 3, point) as three:
+            for variable in two.names("output", "local"):
+                np.testing.assert_array_equal(two.get(variable), three.get(variable), err_msg=variable)
+
+
+def directions(name: str, value: Array) -> list[Array]:
+    """A basis of the admissible changes of a variable: an inertia stays symmetric."""
+    basis = np.eye(value.size).reshape(-1, *value.shape)
+    if name == "J_B":
+        return [(b + b.T) / 2 for b in basis if np.argmax(b) % 3 >= np.argmax(b) // 3]
+    return list(basis)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("name", [*LAWS, "StarTracker"])
+def test_directional_derivatives(name: str, version: int) -> None:
+    """Against central differences of sixth order, for every input, state and tunable parameter."""
+    rng = np.random.default_rng(7)
+    tracker = {"half_angle": np.array(0.3), "redraw_period": np.array(0.1), "seed": np.array(5)}
+    cases = points(name, 3) if name in LAWS else [{**tracker, "q_BN": quaternion(rng)} for _ in range(3)]
+    for point in cases:
+        with opened(name, version, point) as component:
+            unknowns = component.names("output") + [f"der({s})" for s in component.states]
+            for known in component.names("input") + component.states + tunable(component):
+                value = point[known]
+
+                def evaluate(_: float, x: Array, known: str = known) -> Array:
+                    change(component, point, known, x)  # noqa: B023
+                    return np.concatenate([component.get(u).ravel() for u in unknowns])  # noqa: B023
+
+                for direction in directions(known, value):
+                    analytic = component.directional(unknowns, known, direction)
+                    numeric = rate_along(evaluate, 0.0, value, direction, h=2e-4)
+                    change(component, point, known, value)
+                    np.testing.assert_allclose(analytic, numeric, rtol=1e-8, atol=1e-8, err_msg=f"by {known}")
+
+
+def tunable(component: Component) -> list[str]:
+    return [n for n in component.names("parameter") if component.variables[n].first.variability == "tunable"]
+
+
+def change(component: Component, point: Point, known: str, value: Array) -> None:
+    if known in component.states:
+        component.set_states({**point, known: value})
+    elif known in tunable(component):
+        with component.event():
+            component.set({known: value})
+    else:
+        component.set({known: value})
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("name", [n for n in LAWS if n != "PdTracking"])
+def test_co_simulation_integrates_with_fourth_order(name: str, version: int) -> None:
+    """Constant inputs over 2 s: the error falls 16-fold with half the internal step, and quaternions stay unit."""
+    law, (point,) = LAWS[name], points(name, 1)
+    point = {n: v / 3 if n.startswith("omega") else v for n, v in point.items()} | {"time": np.array(0.0)}
+    states = list(law.rates(point))
+    sizes = np.cumsum([np.size(point[s]) for s in states])[:-1]
+
+    def flow(t: float, x: Array) -> Array:
+        at = dict(zip(states, np.split(x, sizes), strict=True))
+        rates = law.rates({**point, **at, "time": t})
+        return np.concatenate([np.ravel(rates[s]) for s in states])
+
+    start = np.concatenate([np.ravel(point[s]) for s in states])
+    exact = solve_ivp(flow, (0, 2), start, "DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+    errors = []
+    for step in (0.05, 0.025):
+        values = {n: v for n, v in point.items() if n != "time"} | {"max_internal_step": step}
+        with Component(name, version, values, co_simulation=True) as component:
+            component.fmu.doStep(0.0, 2.0)
+            x = {s: component.get(s) for s in states}
+            errors.append(np.abs(np.concatenate([np.ravel(x[s]) for s in states]) - exact).max())
+            for state in states:
+                if state.startswith("q_"):
+                    assert np.linalg.norm(x[state]) == pytest.approx(1, abs=1e-15)
+    assert 14 < errors[0] / errors[1] < 18
+
+
+# --- star tracker -----------------------------------------------------------------------------------------------------
+
+HALF_ANGLE = np.deg2rad(0.5)
+PERIOD = 0.1
+
+
+def draws(version: int, seed: int, n: int, q: Array, co_simulation: bool = False) -> Array:
+    """q_BN_meas in the middle of the first n redraw intervals, for a constant true attitude."""
+    start = {"half_angle": HALF_ANGLE, "redraw_period": PERIOD, "seed": seed, "q_BN": q}
+    with Component("StarTracker", version, start, co_simulation) as tracker:
+        rows = []
+        for k in range(n):
+            if co_simulation:
+                tracker.fmu.doStep(k * PERIOD + (k > 0) * -PERIOD / 2, PERIOD if k else PERIOD / 2)
+            else:
+                tracker.at((k + 0.5) * PERIOD)
+            rows.append(tracker.get("q_BN_meas"))
+        return np.array(rows)
+
+
+def axis_and_angle(q: Array) -> tuple[Array, Array]:
+    """Eigenaxis and eigenangle in [0, 2 pi]."""
+    sine = np.linalg.norm(q[..., 1:], axis=-1)
+    return q[..., 1:] / sine[..., None], 2 * np.arctan2(sine, q[..., 0])
+
+
+Q_TRUE = np.array([0.6, 0.48, -0.64, 0.0])
+
+# The measurement of Q_TRUE for two seeds: draws 0, 1 and 49, and draw 0. The same on every platform.
+GOLDEN = {
+    1: [
+        [0.6, 0.4757954946889572, -0.6431269721660685, -0.0025189097235426847],
+        [0.6, 0.4762523736925015, -0.6427790259761397, -0.004335933281682048],
+        [0.6, 0.47931012679748713, -0.6404899994154514, -0.005861996091092584],
+    ],
+    2024: [[0.6, 0.48423009199987155, -0.6368043719633769, -0.0011873710982581813]],
+}
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_star_tracker_is_exact_without_noise(version: int) -> None:
+    rng = np.random.default_rng(3)
+    with Component("StarTracker", version, {"half_angle": 0.0}) as tracker:
+        for k, q in enumerate([np.eye(4)[0], -np.eye(4)[0], np.eye(4)[2], *(quaternion(rng) for _ in range(20))]):
+            tracker.at(0.37 * k)
+            tracker.set({"q_BN": q})
+            np.testing.assert_array_equal(tracker.get("q_BN_meas"), q)
+
+
+def test_star_tracker_tilts_the_eigenaxis_within_the_cone() -> None:
+    q = draws(2, 1, 4000, Q_TRUE)
+    axis_true, angle_true = axis_and_angle(Q_TRUE)
+    axis, angle = axis_and_angle(q)
+    np.testing.assert_allclose(np.linalg.norm(q, axis=1), 1, atol=1e-14)
+    np.testing.assert_allclose(angle, angle_true, atol=1e-14)
+    # Uniform on the cap: its height above the rim and the direction of the tilt are uniform and independent.
+    along = np.linalg.norm(axis - axis_true, axis=1) ** 2 / 2
+    height = along / (1 - np.cos(HALF_ANGLE))
+    assert height.max() <= 1 + 1e-9
+    e_1 = np.array([axis_true[1], -axis_true[0], 0.0])
+    e_2 = np.cross(axis_true, e_1)
+    turn = np.arctan2(axis @ e_2, axis @ e_1) / (2 * np.pi) + 0.5
+    assert kstest(height, "uniform").pvalue > 0.01
+    assert kstest(turn, "uniform").pvalue > 0.01
+    counts = np.histogram2d(height, turn, bins=(8, 8), range=[(0, 1), (0, 1)])[0]
+    assert chisquare(counts.ravel()).pvalue > 0.01
+    for series in (height, turn):
+        assert abs(np.corrcoef(series[:-1], series[1:])[0, 1]) < 3 / np.sqrt(len(series)), "successive draws"
+
+
+def test_star_tracker_eigenaxis_of_identity_stays_finite() -> None:
+    np.testing.assert_allclose(draws(2, 1, 5, np.eye(4)[0]), [np.eye(4)[0]] * 5, atol=1e-15)
+    small = np.array([1.0, 3e-9, -4e-9, 0.0])
+    np.testing.assert_allclose(draws(2, 1, 5, small), [small] * 5, atol=5e-11)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_star_tracker_redraws_at_multiples_of_its_period_and_holds_in_between(version: int) -> None:
+    start = {"half_angle": HALF_ANGLE, "redraw_period": PERIOD, "seed": 1, "q_BN": Q_TRUE}
+    with Component("StarTracker", version, start) as tracker:
+        held = [tracker.get("q_BN_meas")]
+        for k in range(1, 200):
+            assert tracker.next_event == k * PERIOD, "announced as an index times the period, not accumulated"
+            tracker.at(np.nextafter(k * PERIOD, 0))
+            np.testing.assert_array_equal(tracker.get("q_BN_meas"), held[-1])
+            tracker.at(k * PERIOD)
+            held.append(tracker.get("q_BN_meas"))
+            assert not np.array_equal(held[-1], held[-2])
+            tracker.set({"q_BN": -Q_TRUE})  # the draw is held, not the measurement
+            np.testing.assert_array_equal(tracker.get("q_BN_meas"), -held[-1])
+            tracker.set({"q_BN": Q_TRUE})
+    np.testing.assert_array_equal(held, draws(version, 1, 200, Q_TRUE))
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_star_tracker_started_late_draws_what_it_would_have_drawn(version: int) -> None:
+    start = {"half_angle": HALF_ANGLE, "redraw_period": PERIOD, "seed": 1, "q_BN": Q_TRUE}
+    expected = draws(version, 1, 4, Q_TRUE)
+    with Component("StarTracker", version, start, start_time=0.25) as tracker:
+        np.testing.assert_array_equal(tracker.get("q_BN_meas"), expected[2])
+        assert tracker.next_event == 3 * PERIOD
+        tracker.at(0.35)
+        np.testing.assert_array_equal(tracker.get("q_BN_meas"), expected[3])
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_star_tracker_redraws_at_the_communication_points_of_co_simulation(version: int) -> None:
+    """30 * 0.01 and 3 * 0.1 are different numbers; the redraw must be seen at the 30th point all the same."""
+    expected = draws(version, 1, 21, Q_TRUE)
+    start = {"half_angle": HALF_ANGLE, "redraw_period": PERIOD, "seed": 1, "q_BN": Q_TRUE}
+    with Component("StarTracker", version, start, co_simulation=True) as tracker:
+        for k in range(201):
+            np.testing.assert_array_equal(tracker.get("q_BN_meas"), expected[k // 10], err_msg=f"point {k}")
+            tracker.fmu.doStep(k * 0.01, 0.01)
+
+
+def test_star_tracker_draws_depend_on_the_seed_alone() -> None:
+    first = draws(2, 1, 50, Q_TRUE)
+    np.testing.assert_array_equal(first, draws(3, 1, 50, Q_TRUE))
+    np.testing.assert_array_equal(first, draws(2, 1, 50, Q_TRUE, co_simulation=True))
+    np.testing.assert_array_equal(first, draws(3, 1, 50, Q_TRUE, co_simulation=True))
+    np.testing.assert_allclose(first[[0, 1, 49]], GOLDEN[1], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(draws(2, 2024, 1, Q_TRUE), GOLDEN[2024], rtol=0, atol=1e-15)
+
+
+def test_star_tracker_seeds_are_independent() -> None:
+    tilts = np.array([(draws(2, seed, 1000, Q_TRUE) - Q_TRUE)[:, 1] for seed in (1, 2, 3, 1001)])
+    correlation = np.corrcoef(tilts) - np.eye(4)
+    assert np.abs(correlation).max() < 3 / np.sqrt(1000)

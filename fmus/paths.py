@@ -23,7 +23,8 @@ CHECKOUT = _checkout()
 SOURCES = CHECKOUT / "src" if CHECKOUT else PACKAGE / "src"  # a wheel carries the C++ sources inside the package
 LICENSE = (CHECKOUT or PACKAGE) / "LICENSE"
 BUILD = (CHECKOUT or _user_cache()) / "build"
-DIST = PACKAGE / "dist" if CHECKOUT else _user_cache() / "dist"  # site-packages may not be writable
+# site-packages may not be writable; ADCS_DIST puts the FMUs elsewhere.
+DIST = Path(os.environ.get("ADCS_DIST") or (PACKAGE if CHECKOUT else _user_cache()) / "dist").resolve()
 
 EIGEN = Path(str(metadata.distribution("cmeel-eigen").locate_file("cmeel.prefix/include/eigen3")))
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"

@@ -18,7 +18,7 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 from fmpy.model_description import ModelDescription, ModelVariable
 from numpy.typing import ArrayLike
 
-from fmus.paths import DIST
+from fmus import fmu_path
 
 from .reference import Array
 
@@ -61,9 +61,7 @@ def united(md: ModelDescription) -> dict[str, Variable]:
 @lru_cache
 def unpacked(name: str, version: int) -> tuple[tempfile.TemporaryDirectory[str], ModelDescription]:
     """The FMU's files, and its model description."""
-    path = DIST / (f"{name}.fmu" if version == 2 else f"{name}.fmi3.fmu")
-    if not path.is_file():
-        raise FileNotFoundError(f"{path} is missing: build the FMUs first")
+    path = fmu_path(name, f"{version}.0")
     folder = tempfile.TemporaryDirectory(prefix=name)
     extract(str(path), folder.name)
     return folder, read_model_description(str(path))

@@ -1,0 +1,280 @@
+"""An FMU file as the orchestrator sees it: a checked archive, its variables united to arrays, its dependencies."""
+
+from __future__ import annotations
+
+import hashlib
+import posixpath
+import re
+import tempfile
+import zipfile
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import product
+from math import prod
+from pathlib import Path, PurePosixPath
+from typing import Any, Literal
+
+import fmpy
+from fmpy.model_description import ModelDescription, ModelVariable, Unknown, ValidationError
+
+from fmus import paths
+from fmus.errors import AdcsError
+
+FmiVersion = Literal["2.0", "3.0"]
+Kind = Literal["co-simulation", "model-exchange"]
+
+# FMI 2 names of types -> FMI 3 names; an enumeration is an integer of the version's width.
+_FMI2_TYPES = {"Real": "Float64", "Integer": "Int32", "Enumeration": "Int32"}
+_FMI3_TYPES = {"Enumeration": "Int64"}
+
+_NOT_FOR_RUNNING = ("sources/", "documentation/", "terminalsAndIcons/")
+_AGAIN = "build or download it again"
+_ELEMENT = re.compile(r"(der\()?(?P<base>.+)\[(?P<index>\d+(?:\s*,\s*\d+)*)\](?(1)\))")
+
+
+@dataclass(frozen=True)
+class Port:
+    """One variable of an FMU; scalars `x[1]..x[n]`, `J[1,1]..` of FMI 2 are united to one array, as FMI 3 has them.
+
+    `references` holds one value reference per element in FMI 2 and one per array in FMI 3; elements are row-major.
+    `start` is flat, `None` where the FMU gives no value. `type` is the FMI 3 name (`Float64`, `Int32`, `Boolean` ...).
+    """
+
+    name: str
+    shape: tuple[int, ...]
+    type: str
+    unit: str | None
+    causality: str
+    variability: str
+    initial: str | None
+    references: tuple[int, ...]
+    start: tuple[Any, ...] | None
+    description: str
+
+    @property
+    def size(self) -> int:
+        """Number of elements."""
+        return prod(self.shape)
+
+    @property
+    def elements(self) -> list[str]:
+        """The names of the elements in row-major order, as FMI 2 writes them."""
+        return element_names(self.name, self.shape)
+
+    @property
+    def settable(self) -> bool:
+        """Whether a start value may be given."""
+        return self.variability != "constant" and (self.causality == "input" or self.initial in ("exact", "approx"))
+
+
+@dataclass(frozen=True)
+class Fmu:
+    """A checked FMU file.
+
+    `dependencies` and `initial_dependencies` map a port to the inputs on which it directly depends, while running and
+    in initialisation mode; a port that is missing there depends on every input. `states` names the elements of the
+    continuous state vector in the FMU's own order.
+    """
+
+    path: Path
+    sha256: str
+    model: ModelDescription
+    ports: Mapping[str, Port]
+    dependencies: Mapping[str, frozenset[str]]
+    initial_dependencies: Mapping[str, frozenset[str]]
+    states: tuple[str, ...]
+
+    @property
+    def major_version(self) -> int:
+        """2 or 3."""
+        return int(self.model.fmiMajorVersion)
+
+    def interface(self, kind: Kind) -> Any:
+        """Return the description of the interface type; refuse an FMU that does not have it."""
+        found = self.model.coSimulation if kind == "co-simulation" else self.model.modelExchange
+        if found is None:
+            other = "model-exchange" if kind == "co-simulation" else "co-simulation"
+            raise AdcsError(f"{self.path.name} has no {kind} interface: run the system with method {other!r}")
+        return found
+
+    def binaries(self, kind: Kind) -> list[PurePosixPath]:
+        """Where this platform's binary may be inside the archive, best first."""
+        folders = [fmpy.platform_tuple]  # FMI 3, and FMI 2 since 2.0.4
+        if self.major_version == 2 and fmpy.platform_tuple != "aarch64-linux":  # which is not FMI 2's linux64
+            folders.insert(0, fmpy.platform)
+        file = self.interface(kind).modelIdentifier + fmpy.sharedLibraryExtension
+        return [PurePosixPath("binaries", folder, file) for folder in folders]
+
+
+def locate(name: str | Path, version: FmiVersion = "2.0") -> Path:
+    """Find the file of an FMU: a path that ends in `.fmu`, or the name of a component in `fmus/dist`."""
+    if Path(name).suffix == ".fmu":
+        return Path(name)
+    path = paths.DIST / f"{name}{'.fmi3' if version == '3.0' else ''}.fmu"
+    if not path.is_file():
+        raise AdcsError(f"FMU {name!r} is not built, {path} does not exist: build it with `adcs build`, or give a path")
+    return path
+
+
+def open_fmu(path: Path) -> Fmu:
+    """Read and check an FMU; raises AdcsError when it is missing, corrupt or invalid."""
+    try:
+        stat = path.stat()
+    except OSError as error:
+        raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
+    return _open(path.resolve(), stat.st_mtime_ns, stat.st_size)
+
+
+@lru_cache(maxsize=64)
+def _open(path: Path, modified: int, size: int) -> Fmu:
+    names = _archive_names(path)
+    if "modelDescription.xml" not in names:
+        raise AdcsError(f"{path} has no modelDescription.xml: it is no FMU")
+    try:
+        model = fmpy.read_model_description(str(path))
+    except ValidationError as error:
+        raise AdcsError(f"{path} is not valid: {_one_line(error.problems[0])}") from error
+    except Exception as error:  # of zipfile, zlib, lxml or fmpy
+        raise AdcsError(f"cannot read modelDescription.xml of {path} ({_one_line(error)}): {_AGAIN}") from error
+    if model.fmiMajorVersion not in (2, 3):
+        raise AdcsError(f"{path} is FMI {model.fmiVersion}: only 2.0 and 3.0 are supported")
+    ports, port_of = _unite(model)
+    inputs = frozenset(p.name for p in ports.values() if p.causality == "input")
+    return Fmu(
+        path=path,
+        sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
+        model=model,
+        ports=ports,
+        dependencies=_dependencies(model.outputs, port_of, inputs),
+        initial_dependencies=_dependencies(model.initialUnknowns, port_of, inputs),
+        states=tuple(
+            name
+            for unknown in model.derivatives
+            for name in element_names(unknown.variable.derivative.name, unknown.variable.shape)
+        ),
+    )
+
+
+def element_names(name: str, shape: tuple[int, ...]) -> list[str]:
+    """`q` of shape (2,) -> `q[1]`, `q[2]`; a scalar keeps its name."""
+    if not shape:
+        return [name]
+    return [f"{name}[{','.join(map(str, index))}]" for index in product(*(range(1, n + 1) for n in shape))]
+
+
+@contextmanager
+def extracted(fmu: Fmu, kind: Kind) -> Iterator[tuple[Path, Path]]:
+    """Extract an FMU into a temporary folder that is removed at the end; yields the folder and the binary in it."""
+    with zipfile.ZipFile(fmu.path) as archive:
+        names = archive.namelist()
+        found = [binary for binary in fmu.binaries(kind) if str(binary) in names]
+        if not found:
+            folders = {PurePosixPath(n).parts[1] for n in names if n.startswith("binaries/") and n.count("/") >= 2}
+            raise AdcsError(
+                f"{fmu.path.name} has no binary for this platform ({fmu.binaries(kind)[0]} is missing, it has: "
+                f"{', '.join(sorted(folders)) or 'none'}): build it for this platform"
+            )
+        with tempfile.TemporaryDirectory(prefix="adcs-fmu-", ignore_cleanup_errors=True) as folder:
+            try:
+                archive.extractall(folder, [n for n in names if not n.startswith(_NOT_FOR_RUNNING)])
+            except Exception as error:  # of zipfile, zlib or the file system
+                raise AdcsError(f"{fmu.path} cannot be extracted ({_one_line(error)}): {_AGAIN}") from error
+            yield Path(folder), Path(folder) / found[0]
+
+
+def _archive_names(path: Path) -> list[str]:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            for name in archive.namelist():
+                # zipfile would quietly put such members elsewhere; an FMU with them is not to be trusted
+                if "\\" in name or ":" in name or name.startswith("/") or posixpath.normpath(name).startswith(".."):
+                    raise AdcsError(f"{path} holds the path {name!r} that leads outside the archive: refused")
+            return archive.namelist()
+    except (zipfile.BadZipFile, OSError, ValueError) as error:
+        raise AdcsError(f"{path} is not a readable zip archive ({_one_line(error)}): {_AGAIN}") from error
+
+
+def _unite(model: ModelDescription) -> tuple[dict[str, Port], dict[str, str]]:
+    """Return the ports by name, and the port to which each model variable belongs."""
+    fmi2 = model.fmiMajorVersion == 2
+    taken = {v.name for v in model.modelVariables}
+    groups: dict[str, list[ModelVariable]] = {}
+    for variable in model.modelVariables:
+        match = _ELEMENT.fullmatch(variable.name) if fmi2 else None
+        base = variable.name if match is None else f"der({match['base']})" if match[1] else match["base"]
+        groups.setdefault(base, []).append(variable)
+    ports: dict[str, Port] = {}
+    port_of: dict[str, str] = {}
+    for base, members in groups.items():
+        shape = members[0].shape if not fmi2 else _shape(members)
+        scalars = shape is None or (base in taken and len(members) > 1)
+        for name, variables in [(v.name, [v]) for v in members] if scalars else [(base, members)]:
+            ports[name] = _port(name, () if shape is None or scalars else shape, variables, fmi2)
+            port_of.update((v.name, name) for v in variables)
+    return ports, port_of
+
+
+def _shape(members: list[ModelVariable]) -> tuple[int, ...] | None:
+    """Shape of the array that the scalars form in row-major order; None when they form none."""
+    matches = [_ELEMENT.fullmatch(v.name) for v in members]
+    if len(members) == 1 and matches[0] is None:
+        return ()
+    indices = [tuple(int(i) for i in m["index"].split(",")) for m in matches if m is not None]
+    shape = indices[-1] if indices else ()
+    first = members[0]
+    alike = all(
+        (v.type, v.unit, v.causality, v.variability, v.initial, v.start is None)
+        == (first.type, first.unit, first.causality, first.variability, first.initial, first.start is None)
+        for v in members
+    )
+    return shape if alike and indices == list(product(*(range(1, n + 1) for n in shape))) else None
+
+
+def _port(name: str, shape: tuple[int, ...], variables: list[ModelVariable], fmi2: bool) -> Port:
+    first = variables[0]
+    kind = (_FMI2_TYPES if fmi2 else _FMI3_TYPES).get(first.type, first.type)
+    unit = first.unit or (first.declaredType.unit if first.declaredType is not None else None)
+    return Port(
+        name=name,
+        shape=shape,
+        type=kind,
+        unit=unit,
+        causality=first.causality,
+        variability=first.variability,
+        initial=first.initial,
+        references=tuple(v.valueReference for v in variables),
+        start=_start([v.start for v in variables], kind, prod(shape)),
+        description=first.description or "",
+    )
+
+
+def _start(texts: list[str | None], kind: str, size: int) -> tuple[Any, ...] | None:
+    if any(t is None for t in texts):
+        return None
+    if kind in ("String", "Binary"):
+        return tuple(texts)
+    words = [w for t in texts if t is not None for w in t.split()]
+    if len(words) == 1:
+        words *= size  # FMI 3: one value stands for all elements
+    convert: Any = float if kind.startswith("Float") else (lambda w: w in ("true", "1")) if kind == "Boolean" else int
+    return tuple(convert(w) for w in words)
+
+
+def _dependencies(
+    unknowns: Iterable[Unknown], port_of: Mapping[str, str], inputs: frozenset[str]
+) -> dict[str, frozenset[str]]:
+    """A port depends on every input on which one of its elements depends; `dependencies` left out means: on all."""
+    found: dict[str, frozenset[str]] = {}
+    for unknown in unknowns:
+        port = port_of[unknown.variable.name]
+        known = inputs
+        if unknown.dependencies is not None:
+            known = inputs & {port_of[v.name] for v in unknown.dependencies}
+        found[port] = found.get(port, frozenset()) | known
+    return found
+
+
+def _one_line(error: object) -> str:
+    return " ".join(str(error).split())

@@ -1,0 +1,159 @@
+"""What a run leaves: the recorded rows and how they came about, in memory and as CSV, MAT and JSON files."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.io
+
+from fmus.errors import AdcsError
+from orchestration.fmu import Port, element_names
+from orchestration.plan import Floats
+from orchestration.schedule import Name, split
+from orchestration.system import System
+
+
+class Recording:
+    """The rows of a run while it goes on: `data` (steps+1, row size), of which the first `filled` are valid."""
+
+    def __init__(self, system: System, record: Sequence[str] | None, rows: int) -> None:
+        """`record` names `component.variable`; None means every Float64 output."""
+        self.ports: dict[str, Port] = {}
+        for name in system.outputs() if record is None else record:
+            port = system.port(name)[1]
+            if port.type != "Float64":
+                raise AdcsError(f"{name} is of type {port.type}, only Float64 can be recorded so far")
+            self.ports[name] = port
+        self.filled = 0
+        size = sum(port.size for port in self.ports.values())
+        try:
+            self.data: Floats = np.empty((rows, size))
+        except MemoryError:
+            raise AdcsError(
+                f"{rows} rows of {size} values do not fit into memory: record fewer variables or take a larger step"
+            ) from None
+
+    @property
+    def names(self) -> list[Name]:
+        """The recorded variables in the order of the columns."""
+        return [split(name) for name in self.ports]
+
+
+@dataclass
+class Result:
+    """The recorded values of a run.
+
+    `result["plant.q_BN"]` is an array (rows, *shape of the variable), `time` is (rows,). After coupled Model Exchange
+    `states` (rows, number of states) holds the continuous states that `state_names` name; else it is empty.
+    """
+
+    system: System
+    time: Floats
+    data: Floats
+    ports: dict[str, Port]
+    manifest: dict[str, Any]
+    states: Floats = field(default_factory=lambda: np.empty((0, 0)))
+    state_names: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self._first = dict(zip(self.ports, np.cumsum([0, *(p.size for p in self.ports.values())]), strict=False))
+
+    @property
+    def names(self) -> list[str]:
+        """The recorded variables, `component.variable`."""
+        return list(self.ports)
+
+    def __getitem__(self, name: str) -> Floats:
+        port = self._port(name)
+        first = self._first[name]
+        return self.data[:, first : first + port.size].reshape(len(self.time), *port.shape)
+
+    def unit(self, name: str) -> str | None:
+        """Unit of a recorded variable; None if it has none."""
+        return self._port(name).unit
+
+    def description(self, name: str) -> str:
+        """Description of a recorded variable."""
+        return self._port(name).description
+
+    def select(self, names: Sequence[str]) -> Result:
+        """Return the result with these variables only."""
+        ports = {name: self._port(name) for name in names}
+        parts = [self[name].reshape(len(self.time), port.size) for name, port in ports.items()]
+        return replace(self, data=np.hstack([np.empty((len(self.time), 0)), *parts]), ports=ports)
+
+    def write_csv(self, path: str | Path) -> None:
+        """Write one row per communication point, numbers with all their digits; header `name[unit]`, `[-]` if none."""
+        header = ["time[s]"]
+        for name, port in self.ports.items():
+            header += [f"{element}[{port.unit or '-'}]" for element in element_names(name, port.shape)]
+        with _written(path).open("w", encoding="utf-8", newline="\n") as file:
+            file.write(",".join(f'"{h}"' if "," in h else h for h in header) + "\n")
+            for time, row in zip(self.time.tolist(), self.data, strict=True):
+                file.write(",".join(map(repr, [time, *row.tolist()])) + "\n")
+
+    def write_mat(self, path: str | Path) -> None:
+        """Write a MATLAB file with `time` and one struct per component, so that `plant.q_BN` is the name there too.
+
+        `units` holds the units in the same structs. Characters that MATLAB does not allow in names become `_`.
+        """
+        tree: dict[str, Any] = {"time": self.time}
+        units: dict[str, Any] = {}
+        taken: dict[str, dict[str, str]] = {"": {".time": "time", ".units": "units"}}
+        for name, port in self.ports.items():
+            component, variable = split(name)
+            struct = _matlab_name(component, taken[""])
+            field_ = _matlab_name(variable, taken.setdefault(component, {}))
+            tree.setdefault(struct, {})[field_] = self[name]
+            units.setdefault(struct, {})[field_] = port.unit or ""
+        scipy.io.savemat(_written(path), {**tree, "units": units}, long_field_names=True, oned_as="column")
+
+    def write_manifest(self, path: str | Path) -> None:
+        """Write all that is needed to repeat the run, as JSON."""
+        _written(path).write_text(json.dumps(self.manifest, indent=2) + "\n", encoding="utf-8")
+
+    def _port(self, name: str) -> Port:
+        if name not in self.ports:
+            close = difflib.get_close_matches(name, self.ports, 3, 0.5)
+            hint = f"did you mean {' or '.join(close)}?" if close else f"recorded are {', '.join(self.ports) or 'none'}"
+            raise AdcsError(f"{name!r} was not recorded: {hint}")
+        return self.ports[name]
+
+
+class RunFailed(AdcsError):
+    """A component failed while running; `result` holds what was recorded until then."""
+
+    def __init__(self, message: str, result: Result) -> None:
+        super().__init__(message)
+        self.result = result
+
+
+class RunInterrupted(KeyboardInterrupt):
+    """Ctrl-C while running; `result` holds what was recorded until then."""
+
+    def __init__(self, result: Result) -> None:
+        super().__init__(f"interrupted at t = {result.time[-1] if len(result.time) else '-'} s")
+        self.result = result
+
+
+def _matlab_name(name: str, taken: dict[str, str]) -> str:
+    """Make a valid and unused name; `taken` remembers which original got which."""
+    if name not in taken:
+        valid = re.sub(r"\W", "_", name, flags=re.ASCII).strip("_")
+        valid = (valid if valid[:1].isalpha() else f"x_{valid}")[:60]
+        candidates = (valid, *(f"{valid}_{i}" for i in range(2, 100)))
+        taken[name] = next(c for c in candidates if c not in taken.values())
+    return taken[name]
+
+
+def _written(path: str | Path) -> Path:
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path

@@ -1,0 +1,46 @@
+"""Start values written as text: numbers, true or false, arrays of them; in any unit that the FMU declares."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+
+from fmus.errors import AdcsError
+from orchestration.fmu import Fmu, Port
+
+
+def parse_value(fmu: Fmu, port: Port, text: str) -> Any:
+    """`0.05deg` -> 0.000872.., `1,2,3` and `[[1,2],[3,4]]` -> arrays. Without a unit the value is in the port's own."""
+    if port.type == "String":
+        return text
+    words = text.strip()
+    factor, offset = 1.0, 0.0
+    units = _units(fmu, port)
+    for unit in sorted(units, key=len, reverse=True):
+        if words.endswith(unit) and not _is_json(words):
+            words = words.removesuffix(unit).strip()
+            factor, offset = units[unit]
+            break
+    if not _is_json(words):
+        known = f", in {' or '.join(units)}" if units else ""
+        raise AdcsError(f"{port.name} = {text!r} cannot be read: write a number, or 1,2,3, or [[1,2],[3,4]]{known}")
+    value = json.loads(words) if _is_json(words, bare=True) else json.loads(f"[{words}]")
+    return value if (factor, offset) == (1.0, 0.0) else (np.asarray(value) - offset) / factor
+
+
+def _units(fmu: Fmu, port: Port) -> dict[str, tuple[float, float]]:
+    """Return the names by which a value may be given -> (factor, offset) of FMI: shown = factor * value + offset."""
+    if port.unit is None:
+        return {}
+    displays = [d for u in fmu.model.unitDefinitions if u.name == port.unit for d in u.displayUnits]
+    return {port.unit: (1.0, 0.0), **{d.name: (d.factor, d.offset) for d in displays}}
+
+
+def _is_json(text: str, bare: bool = False) -> bool:
+    try:
+        json.loads(text if bare else f"[{text}]")
+    except ValueError:
+        return False
+    return bool(text.strip())

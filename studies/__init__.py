@@ -1,0 +1,1 @@
+"""The seed documents as runnable systems, with the printed numbers and claims beside ours."""

@@ -1,0 +1,120 @@
+import json
+import zipfile
+
+import pytest
+from fmpy.validation import validate_fmu
+from lxml import etree
+
+import fmus
+from fmus.paths import BUILD, CHECKOUT
+from fmus.toolchain import host
+
+FMUS = ["RigidBody.fmu", "RigidBody.fmi3.fmu", "StarTracker.fmu", "StarTracker.fmi3.fmu"]
+
+
+def test_two_fmus_for_each_component(built):
+    assert sorted(path.name for path in built.iterdir()) == sorted(FMUS)
+
+
+@pytest.mark.parametrize("fmu", FMUS)
+def test_an_fmu_has_everything(built, fmu):
+    assert validate_fmu(str(built / fmu)) == []
+    name = fmu.split(".")[0]
+    folder = host().fmi2_folder if fmu.count(".") == 1 else host().name
+    with zipfile.ZipFile(built / fmu) as archive:
+        files = set(archive.namelist())
+    assert {
+        "modelDescription.xml",
+        "documentation/index.html",
+        "documentation/licenses/license.txt",
+        "documentation/licenses/adcs-fmus.txt",
+        "documentation/licenses/Eigen.txt",
+        "documentation/licenses/FMI.txt",
+        "terminalsAndIcons/terminalsAndIcons.xml",
+        "terminalsAndIcons/icon.png",
+        "terminalsAndIcons/icon.svg",
+        "sources/buildDescription.xml",
+        "sources/model.cpp",
+        "sources/Eigen/Core",
+        f"binaries/{folder}/{name}{host().suffix}",
+    } <= files
+    assert ("model.png" in files) == (fmu.count(".") == 1)
+
+
+def test_sources_are_those_of_one_fmi_version(built):
+    for fmu, own, other in (("RigidBody.fmu", "fmi2", "fmi3"), ("RigidBody.fmi3.fmu", "fmi3", "fmi2")):
+        with zipfile.ZipFile(built / fmu) as archive:
+            listed = etree.fromstring(archive.read("sources/buildDescription.xml")).iterfind(".//SourceFile")
+            assert [file.get("name") for file in listed] == [
+                *("model.cpp", "fmi/instance.cpp", "fmi/runtime.cpp"),
+                f"fmi/{own}.cpp",
+            ]
+            assert f"sources/fmi/{other}.cpp" not in archive.namelist()
+
+
+def test_vectors_are_terminals(built):
+    members = {}
+    for fmu in ("RigidBody.fmu", "RigidBody.fmi3.fmu"):
+        with zipfile.ZipFile(built / fmu) as archive:
+            root = etree.fromstring(archive.read("terminalsAndIcons/terminalsAndIcons.xml"))
+        members[fmu] = {
+            terminal.get("name"): [(m.get("memberName"), m.get("variableName")) for m in terminal]
+            for terminal in root.iter("Terminal")
+        }
+    assert members["RigidBody.fmu"]["torque_B"] == [(str(i), f"torque_B[{i}]") for i in (1, 2, 3)]
+    assert members["RigidBody.fmi3.fmu"]["torque_B"] == [("1", "torque_B")]
+    assert "kinetic_energy" not in members["RigidBody.fmu"]
+
+
+def test_the_same_sources_give_the_same_bytes(built, tmp_path):
+    for path in fmus.build(["RigidBody"], dist=tmp_path):
+        assert path.read_bytes() == (built / path.name).read_bytes()
+
+
+def test_binaries_do_not_know_where_they_were_made(built):
+    for fmu in FMUS:
+        with zipfile.ZipFile(built / fmu) as archive:
+            for name in archive.namelist():
+                if not name.startswith("sources/Eigen/"):
+                    assert str(BUILD.parent).encode() not in archive.read(name), name
+
+
+def test_nothing_is_written_when_nothing_changed(built):
+    fmus.build(["StarTracker"], dist=built)
+    before = (built / "StarTracker.fmu").stat().st_mtime_ns
+    steps = []
+    fmus.build(["StarTracker"], dist=built, progress=lambda done, total, what: steps.append((done, total, what)))
+    assert (built / "StarTracker.fmu").stat().st_mtime_ns == before
+    assert [done for done, _, _ in steps] == list(range(1, steps[0][1] + 1))
+    assert steps[-1][2] == "StarTracker.fmi3.fmu"
+
+
+def test_a_damaged_fmu_is_made_again(built, tmp_path):
+    path, _ = fmus.build(["StarTracker"], dist=tmp_path)
+    path.write_bytes(b"damaged")
+    fmus.build(["StarTracker"], dist=tmp_path)
+    assert path.read_bytes() == (built / path.name).read_bytes()
+
+
+def test_zip_times_follow_source_date_epoch(tmp_path, monkeypatch):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    path, _ = fmus.build(["StarTracker"], dist=tmp_path)
+    with zipfile.ZipFile(path) as archive:
+        assert {entry.date_time for entry in archive.infolist()} == {(2023, 11, 14, 22, 13, 20)}
+        assert b'generationDateAndTime="2023-11-14T22:13:20Z"' in archive.read("modelDescription.xml")
+
+
+def test_path_of_an_fmu(built, monkeypatch):
+    monkeypatch.setattr("fmus.DIST", built)
+    assert fmus.fmu_path("RigidBody") == built / "RigidBody.fmu"
+    assert fmus.fmu_path("RigidBody", "3.0") == built / "RigidBody.fmi3.fmu"
+    with pytest.raises(fmus.AdcsError, match=r"PdTracking.fmu is not built: run: adcs build"):
+        fmus.fmu_path("PdTracking")
+    with pytest.raises(fmus.AdcsError, match="FMI version 1.0 is not made: expected 2.0 or 3.0"):
+        fmus.fmu_path("RigidBody", "1.0")
+
+
+def test_records_are_readable(built):
+    record = json.loads((BUILD / "objects" / host().name / "RigidBody.o.json").read_text())
+    assert record["command"].startswith("zig 0.")
+    assert str(CHECKOUT / "src" / "plant" / "rigid_body.hpp") in record["inputs"]

@@ -1,0 +1,40 @@
+import pytest
+
+from fmus import catalog
+from fmus.errors import AdcsError
+
+
+def test_the_five_components_with_their_kinds():
+    assert {
+        "FixedAxisReference": "guidance",
+        "RigidBody": "plant",
+        "StarTracker": "sensor",
+        "SmoothRateObserver": "observer",
+        "PdTracking": "controller",
+    }.items() <= {c.name: c.kind for c in catalog.components()}.items()
+
+
+def test_every_component_says_what_it_is():
+    for component in catalog.components():
+        assert component.summary, component.name
+        assert component.text.startswith("# "), component.name
+
+
+def test_a_name_that_is_nearly_right_gets_a_hint():
+    with pytest.raises(AdcsError, match="no component is called Rigidbody: did you mean RigidBody"):
+        catalog.find("Rigidbody")
+
+
+def test_only_headers_that_declare_the_struct_of_their_name_count(tmp_path, monkeypatch):
+    monkeypatch.setattr(catalog, "SOURCES", tmp_path)
+    folder = tmp_path / "sensors"
+    folder.mkdir()
+    (folder / "sun_sensor.hpp").write_text('/// # Sun\n///\n///   $x$\n\nstruct SunSensor { summary = "sees"; declare(v) };')
+    (folder / "noise.hpp").write_text("struct Noise { int shared; };")
+    (folder / "gyro.hpp").write_text("struct Other { declare(v) };")
+
+    (found,) = catalog.components()
+
+    assert (found.name, found.kind, found.summary) == ("SunSensor", "sensor", "sees")
+    assert found.include == "sensors/sun_sensor.hpp"
+    assert found.text == "# Sun\n\n  $x$\n"

@@ -1,0 +1,94 @@
+import lief
+import pytest
+
+from fmus.errors import AdcsError
+from fmus.toolchain import TARGETS, compile_step, host, included_files, is_up_to_date, run_steps, universal_binary
+
+
+@pytest.fixture
+def project(tmp_path):
+    """A source that includes a header, in a folder whose name needs quoting."""
+    folder = tmp_path / "with space"
+    folder.mkdir()
+    (folder / "size.hpp").write_text("constexpr int size = 3;\n")
+    (folder / "main.cpp").write_text('#include "size.hpp"\nint f() { return size; }\n')
+    return folder
+
+
+def step(project, *flags):
+    return compile_step(project / "main.cpp", project / "out" / "main.o", host(), *flags)
+
+
+def test_compiles_once(project):
+    run_steps([step(project)])
+    made = (project / "out" / "main.o").stat().st_mtime_ns
+    assert is_up_to_date(step(project))
+    run_steps([step(project)])
+    assert (project / "out" / "main.o").stat().st_mtime_ns == made
+
+
+def test_knows_what_was_included(project):
+    run_steps([step(project)])
+    assert included_files(step(project)) == [project / "main.cpp", project / "size.hpp"]
+
+
+@pytest.mark.parametrize("name", ["main.cpp", "size.hpp"])
+def test_an_edited_file_makes_it_out_of_date(project, name):
+    run_steps([step(project)])
+    (project / name).write_text((project / name).read_text() + "// edited\n")
+    assert not is_up_to_date(step(project))
+
+
+def test_touching_without_editing_does_not(project):
+    run_steps([step(project)])
+    (project / "size.hpp").touch()
+    assert is_up_to_date(step(project))
+
+
+def test_other_flags_and_other_compilers_make_it_out_of_date(project, monkeypatch):
+    run_steps([step(project)])
+    assert not is_up_to_date(step(project, "-DMORE"))
+    monkeypatch.setattr("fmus.toolchain.metadata.version", lambda package: "0.0.1")
+    assert not is_up_to_date(step(project))
+
+
+def test_a_missing_header_or_output_makes_it_out_of_date(project):
+    run_steps([step(project)])
+    (project / "size.hpp").unlink()
+    assert not is_up_to_date(step(project))
+    (project / "size.hpp").write_text("constexpr int size = 3;\n")
+    assert is_up_to_date(step(project))
+    (project / "out" / "main.o").unlink()
+    assert not is_up_to_date(step(project))
+
+
+def test_a_compile_error_says_where_and_leaves_nothing_behind(project):
+    (project / "main.cpp").write_text("int f() { return nothing; }\n")
+    with pytest.raises(AdcsError, match=r"(?s)making main.o failed:.*main.cpp:1:18: error: .*nothing"):
+        run_steps([step(project)])
+    assert not (project / "out" / "main.o").exists()
+
+
+def test_a_universal_binary_holds_its_slices(project):
+    darwin = [target for target in TARGETS if target.name.endswith("darwin")]
+    steps = [compile_step(project / "main.cpp", project / "out" / f"{t.name}.o", t) for t in darwin]
+    run_steps(steps)
+    slices = [s.output.read_bytes() for s in steps]
+
+    fat = lief.MachO.parse(universal_binary(slices))
+
+    assert [part.header.cpu_type.name for part in fat] == ["X86_64", "ARM64"]
+    for part, content in zip(fat, slices, strict=True):
+        assert part.fat_offset % (1 << 14) == 0
+        assert universal_binary(slices)[part.fat_offset :].startswith(content)
+
+
+def test_targets_have_distinct_places():
+    assert len({t.name for t in TARGETS}) == len({t.fmi2_folder for t in TARGETS}) == 5
+    assert host() in TARGETS
+
+
+def test_an_unknown_machine_is_named(monkeypatch):
+    monkeypatch.setattr("fmus.toolchain.platform.machine", lambda: "riscv64")
+    with pytest.raises(AdcsError, match="this machine, riscv64-"):
+        host()

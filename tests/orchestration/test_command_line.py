@@ -1,0 +1,145 @@
+"""`adcs run`: files, exit codes, one-line errors."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.io
+
+from orchestration import cli
+
+ADCS = (sys.executable, "-c", "from orchestration.cli import main; main()")
+
+
+def adcs(*arguments: object) -> int:
+    """Run the command line in this process and return its exit code."""
+    before = sys.argv
+    sys.argv = ["adcs", *map(str, arguments)]
+    try:
+        cli.main()
+    except SystemExit as error:
+        return int(error.code or 0)
+    finally:
+        sys.argv = before
+    return 0
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("run")
+
+
+def test_a_run_writes_all_its_files(folder, capsys):
+    assert adcs("run", "observer-pd", "--stop", 20, "--step", 0.02, "--out", folder, "--json") == 0
+    printed = json.loads(capsys.readouterr().out)
+    names = ["result.csv", "result.mat", "manifest.json", "report.html", "report.png"]
+    assert printed["files"] == [str(folder / name) for name in names]
+    assert all((folder / name).stat().st_size > 0 for name in names)
+    assert printed["outcome"] == {"status": "complete", "rows": 1001}
+    assert {"label", "value", "unit", "note"} == set(printed["key_numbers"][0])
+    with (folder / "result.csv").open() as file:
+        rows = list(csv.reader(file))
+    assert len(rows) == 1002
+    assert float(rows[-1][0]) == 20.0
+    attitude = scipy.io.loadmat(folder / "result.mat", simplify_cells=True)["plant"]["q_BN"]
+    column = rows[0].index("plant.q_BN[1][1]")
+    assert float(rows[-1][column]) == attitude[-1, 0]
+    assert (folder / "report.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_people_get_a_table(tmp_path, capsys):
+    assert adcs("run", "full-state-pd", "--stop", 1, "--no-report", "--out", tmp_path) == 0
+    out = capsys.readouterr().out
+    assert "Largest torque" in out
+    assert "times faster than real time" in out
+    assert not (tmp_path / "report.html").exists()
+
+
+def test_set_and_record(tmp_path):
+    command = ("run", "observer-pd", "--stop", 1, "--no-report", "--out", tmp_path)
+    assert (
+        adcs(*command, "--set", "tracker.half_angle=0.05deg", "--set", "tracker.seed=7", "--record", "plant.q_BN") == 0
+    )
+    manifest = json.loads((tmp_path / "manifest.json").read_text())
+    start = manifest["system"]["components"]["tracker"]["start"]
+    assert start["half_angle"] == pytest.approx(np.radians(0.05), rel=1e-15)
+    assert manifest["seeds"] == {"tracker.seed": 7}
+    with (tmp_path / "result.csv").open() as file:
+        assert next(csv.reader(file)) == ["time[s]", *(f"plant.q_BN[{i}][1]" for i in range(1, 5))]
+
+
+def test_options_reach_the_run(tmp_path):
+    options = ("--method", "model-exchange", "--solver", "CVode", "--fmi", 3, "--stop", 1, "--step", 0.5)
+    assert adcs("run", "full-state-pd", *options, "--no-report", "--out", tmp_path) == 0
+    manifest = json.loads((tmp_path / "manifest.json").read_text())
+    assert manifest["settings"]["solver"] == "CVode"
+    assert {c["fmi_version"] for c in manifest["system"]["components"].values()} == {"3.0"}
+    assert manifest["outcome"]["rows"] == 3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [
+        (("nothing",), 1, "adcs: no system 'nothing': choose one of observer-pd, full-state-pd"),
+        (("observer-pd", "--step", "0"), 1, "adcs: step = 0.0 s: expected a positive time"),
+        (("observer-pd", "--step", "nan"), 1, "adcs: step = nan s is not finite"),
+        (
+            ("observer-pd", "--set", "tracker.half_angle"),
+            1,
+            "adcs: --set tracker.half_angle: expected COMPONENT.VARIABLE=VALUE",
+        ),
+        (("observer-pd", "--set", "tracker.angle=1"), 1, "has no variable 'angle': did you mean half_angle?"),
+        (("observer-pd", "--set", "tracker.half_angle=wide"), 1, "half_angle = 'wide' cannot be read: write a number"),
+        (("observer-pd", "--record", "plant.q"), 1, "component 'plant' (RigidBody.fmu) has no variable 'q'"),
+        (("observer-pd", "--set", "plant.J_B=[[1,2,3],[0,1,0],[0,0,1]]"), 1, "adcs: plant: "),
+    ],
+)
+def test_errors_are_one_line(tmp_path, capsys, arguments, code, message):
+    assert adcs("run", *arguments, "--out", tmp_path) == code
+    err = capsys.readouterr().err.strip()
+    assert message in err.splitlines()[-1]
+    assert "Traceback" not in err
+
+
+@pytest.mark.parametrize("arguments", [("--fmi", "4"), ("--step", "fast"), ("--nonsense",)])
+def test_usage_errors_exit_with_2(arguments):
+    assert adcs("run", "observer-pd", *arguments) == 2
+
+
+def test_components_that_are_not_built(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("fmus.paths.DIST", tmp_path)
+    assert adcs("run", "observer-pd", "--out", tmp_path) == 1
+    err = capsys.readouterr().err.strip()
+    assert err.startswith("adcs: FMU 'FixedAxisReference' is not built")
+    assert "`adcs build`" in err
+
+
+@pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="looks into /proc to see the loop begin")
+def test_interruption_keeps_what_was_recorded(tmp_path):
+    options = ("--stop", "1e4", "--stepping", "python", "--record", "plant.q_BN", "--no-report", "--json")
+    process = subprocess.Popen(
+        [*ADCS, "run", "full-state-pd", *options, "--out", tmp_path],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])},
+    )
+    maps = Path(f"/proc/{process.pid}/maps")
+    while process.poll() is None and "RigidBody" not in maps.read_text():
+        time.sleep(0.05)
+    time.sleep(1.0)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 130, err
+    rows = json.loads(out)["outcome"]["rows"]
+    assert 10 < rows < 1e6
+    assert err.strip().splitlines()[-1].startswith("adcs: interrupted at t = ")
+    with (tmp_path / "result.csv").open() as file:
+        assert len(list(csv.reader(file))) == rows + 1

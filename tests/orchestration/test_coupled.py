@@ -1,0 +1,162 @@
+"""Coupled Model Exchange against exact solutions, and its time events."""
+
+import numpy as np
+import pytest
+
+from fmus.errors import AdcsError
+from orchestration import CoupledModel, RunFailed, System, run
+
+SOLVERS = {"DOP853": 1e-13, "CVode": 1e-7}
+ME = {"method": "model-exchange"}
+
+
+@pytest.fixture
+def springs(mock):
+    """Two oscillators coupled to x1'' = x2 - x1, x2'' = x1 - x2: x1 + x2 drifts, x1 - x2 swings."""
+
+    def build(version: str = "2.0") -> System:
+        system = System("springs")
+        system.add("a", mock("oscillator", version), {"a": 1.0, "b": 0.0})
+        system.add("b", mock("oscillator", version), {"a": 0.5, "b": -0.25})
+        system.connect("a.position", "b.u")
+        system.connect("b.position", "a.u")
+        return system
+
+    return build
+
+
+def exact(t):
+    """The sum of the positions has acceleration 0, their difference d has d'' = -2 d."""
+    sum_ = 1.5 - 0.25 * t
+    w = np.sqrt(2)
+    difference = 0.5 * np.cos(w * t) + 0.25 / w * np.sin(w * t)
+    return (sum_ + difference) / 2, (sum_ - difference) / 2
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_against_the_exact_solution(springs, version, solver):
+    result = run(springs(version), stop_time=10, step=0.5, **ME, solver=solver, rtol=1e-12, atol=1e-14)
+    first, second = exact(result.time)
+    tolerance = 1e-12 if solver == "DOP853" else 1e-8
+    assert result["a.position"] == pytest.approx(first, abs=tolerance)
+    assert result["b.position"] == pytest.approx(second, abs=tolerance)
+    assert result.state_names == ["a.a", "a.b", "b.a", "b.b"]
+    assert np.array_equal(result.states[:, 0], result["a.position"])
+    assert result.manifest["settings"]["solver"] == solver
+
+
+def test_tolerance_matters_only_between_rows(springs):
+    # the steps end on the rows, so that a fine grid is as accurate as its own steps
+    result = run(springs(), stop_time=10, step=0.01, **ME, rtol=1e-3, atol=1e-3)
+    assert result["a.position"] == pytest.approx(exact(result.time)[0], abs=1e-12)
+
+
+def test_both_versions_agree_to_the_last_bit(springs):
+    two, three = (run(springs(v), stop_time=5, step=0.1, **ME) for v in ("2.0", "3.0"))
+    assert np.array_equal(two.data, three.data)
+
+
+def test_co_simulation_converges_with_first_order(springs):
+    truth = run(springs(), stop_time=2, step=0.1, **ME)["a.position"]
+    errors = []
+    for step in (0.02, 0.01, 0.005):
+        result = run(springs(), stop_time=2, step=step)
+        errors.append(np.abs(result["a.position"][:: round(0.1 / step)] - truth).max())
+    assert errors[0] / errors[1] == pytest.approx(2, abs=0.05)
+    assert errors[1] / errors[2] == pytest.approx(2, abs=0.05)
+
+
+def test_a_chain_of_feedthrough(chain, version):
+    result = run(chain(version), stop_time=1, step=0.25, **ME)
+    t = result.time
+    assert result["gain.y"][:, 0] == pytest.approx(2 * (1 + t), abs=1e-14)
+    assert result["integrator.y"][:, 2] == pytest.approx(10 + 2 * (3 * t + t**2 / 2), abs=1e-14)
+
+
+def test_rhs_and_outputs(chain, version):
+    with CoupledModel(chain(version), start_time=0.5) as model:
+        assert model.state_names == ["integrator.x[1]", "integrator.x[2]", "integrator.x[3]"]
+        assert model.x0.tolist() == [0.0, 0.0, 10.0]
+        assert model.rhs(0.5, model.x0).tolist() == [3.0, 5.0, 7.0]
+        assert model.rhs(2.0, np.zeros(3)).tolist() == [6.0, 8.0, 10.0]
+        outputs = model.outputs(1.0, np.array([7.0, 8.0, 9.0]))
+        assert outputs["integrator.y"].tolist() == [7.0, 8.0, 9.0]
+        assert outputs["gain.doubled"].tolist() == [4.0, 6.0, 8.0]
+        assert model.next_event == np.inf
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("period", [0.5, 0.3, 0.1, 1 / 3])
+def test_time_events(mock, version, solver, period):
+    """count steps at multiples of the period, whether or not these are on the grid; x' = count."""
+    system = System("ticker")
+    system.add("ticker", mock("ticker", version), {"period": period})
+    system.add("other", mock("oscillator", version), {"u": 0.0})
+    result = run(system, stop_time=2, step=0.1, **ME, solver=solver)
+    count = np.floor(result.time / period + 1e-6)
+    assert result["ticker.count"].tolist() == count.tolist()  # the row at an event holds the value after it
+    area = [sum(t - k * period for k in range(1, int(n) + 1)) for t, n in zip(result.time, count, strict=True)]
+    assert result["ticker.area"] == pytest.approx(area, abs=1e-13 if solver == "DOP853" else 1e-8)
+    assert result["other.position"] == pytest.approx(np.cos(result.time), abs=1e-8)
+
+
+def test_a_system_without_states(mock, version):
+    system = System("source")
+    system.add("source", mock("source", version))
+    result = run(system, stop_time=1, step=0.25, **ME)
+    assert result["source.y"][:, 0].tolist() == [0.0, 0.25, 0.5, 0.75, 1.0]
+    assert result.states.shape == (5, 0)
+
+
+def test_state_events_are_refused_by_name(mock):
+    system = System("bouncing")
+    system.add("ball", mock("oscillator", indicators=2, name="ball"), {"u": 0.0})
+    with pytest.raises(
+        AdcsError, match=r"ball \(ball\.fmu\) has state events, which coupled Model Exchange does not sup"
+    ):
+        run(system, stop_time=1, step=0.1, **ME)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize(
+    ("mode", "message"),
+    [
+        (2, "the derivative of x is not finite|y is not finite"),
+        (5, "getting y|getDerivatives returned error: nothing to get"),
+    ],
+)
+def test_a_failing_component_stops_the_run(faulty, version, solver, mode, message):
+    with pytest.raises(RunFailed, match=message) as error:
+        run(faulty(version, mode, at=0.6), stop_time=1, step=0.25, **ME, solver=solver)
+    result = error.value.result
+    assert result.time.tolist() == [0.0, 0.25, 0.5]
+    assert result["wheel.y"].tolist() == [1.0, 1.0, 1.0]
+    outcome = result.manifest["outcome"]
+    assert (outcome["status"], outcome["component"], outcome["rows"]) == ("failed", "wheel", 3)
+    assert outcome["time"] >= 0.6
+
+
+def test_a_component_may_ask_to_end(faulty, version):
+    with pytest.raises(AdcsError, match="wheel: asked to end the simulation"):
+        run(faulty(version, 6, at=0.0), stop_time=1, step=0.25, **ME)
+
+
+def test_an_event_that_does_not_move_on(mock):
+    system = System("stuck")
+    system.add("ticker", mock("ticker"), {"period": 1e-20})
+    with pytest.raises(
+        RunFailed, match=r"ticker failed at t = 1000000 s: its next event, at t = 1000000\.0 s, does not lie"
+    ):
+        run(system, start_time=1e6, stop_time=1e6 + 1, step=0.5, **ME)
+
+
+def test_a_diverging_state_ends_with_its_time(mock):
+    system = System("diverging")
+    system.add("gain", mock("gain"), {"k": 1e3})
+    system.add("integrator", mock("integrator"), {"x": [1.0, 1.0, 1.0]})
+    system.connect("integrator.y", "gain.u")
+    system.connect("gain.y", "integrator.u")
+    with pytest.raises(RunFailed) as error:
+        run(system, stop_time=10, step=0.1, **ME)
+    assert "\n" not in str(error.value)
+    assert 0.0 < len(error.value.result.time) < 100

@@ -1,0 +1,33 @@
+"""Start values written as text."""
+
+import numpy as np
+import pytest
+
+from fmus.errors import AdcsError
+from orchestration.fmu import locate, open_fmu
+from orchestration.values import parse_value
+
+
+@pytest.mark.parametrize(
+    ("fmu", "variable", "text", "value"),
+    [
+        ("StarTracker", "half_angle", "0.05deg", np.radians(0.05)),
+        ("StarTracker", "half_angle", "5e-2 deg", np.radians(0.05)),
+        ("StarTracker", "half_angle", "1e-3", 1e-3),
+        ("StarTracker", "half_angle", "1e-3rad", 1e-3),
+        ("StarTracker", "seed", "7", 7),
+        ("RigidBody", "omega_BN_B", "0.1, 0, -0.2", [0.1, 0, -0.2]),
+        ("RigidBody", "torque_disturbance_B", "[1,2,3]N.m", [1, 2, 3]),
+        ("RigidBody", "J_B", "[[1,0,0],[0,1,0],[0,0,1]]", np.eye(3)),
+    ],
+)
+def test_read(fmu, variable, text, value):
+    description = open_fmu(locate(fmu))
+    assert np.asarray(parse_value(description, description.ports[variable], text)) == pytest.approx(np.asarray(value))
+
+
+@pytest.mark.parametrize("text", ["", "deg", "1 furlong", "1,,2", "0.05 degrees"])
+def test_refused(text):
+    description = open_fmu(locate("StarTracker"))
+    with pytest.raises(AdcsError, match=r"half_angle = .* cannot be read: write a number, .* in rad or deg"):
+        parse_value(description, description.ports["half_angle"], text)

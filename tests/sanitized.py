@@ -1,0 +1,48 @@
+"""Runs the adaptor's tests on FMUs whose binaries are the sanitized ones of CMake's `sanitize` preset.
+
+`make sanitize` builds them. An error of ASan or UBSan aborts the run. Leaks are looked for in tests/native, where
+nothing of Python's is in the way.
+"""
+
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+from fmus.paths import BUILD, DIST
+
+FOLDERS = ("binaries/linux64/", "binaries/x86_64-linux/")
+TESTS = ("tests/adaptor", "tests/laws/test_components.py")
+
+
+def swap_binary(fmu: Path, to: Path, library: Path) -> None:
+    """A copy of the FMU with another x86_64 Linux binary."""
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(to, "w", zipfile.ZIP_DEFLATED) as target:
+        for member in source.namelist():
+            is_binary = member.startswith(FOLDERS)
+            target.writestr(member, library.read_bytes() if is_binary else source.read(member))
+
+
+def main() -> int:
+    libraries = BUILD / "cmake" / "sanitize"
+    dist = libraries / "dist"
+    dist.mkdir(exist_ok=True)
+    for fmu in DIST.glob("*.fmu"):
+        swap_binary(fmu, dist / fmu.name, libraries / f"{fmu.name.split('.')[0]}.so")
+    compiler = os.environ.get("CXX", "c++")
+    preload = [
+        subprocess.check_output([compiler, f"-print-file-name={name}"], text=True).strip()
+        for name in ("libasan.so", "libubsan.so")
+    ]
+    environment = os.environ | {
+        "ADCS_DIST": str(dist),
+        "LD_PRELOAD": " ".join(preload),
+        "ASAN_OPTIONS": "detect_leaks=0:halt_on_error=1",
+        "UBSAN_OPTIONS": "print_stacktrace=1",
+    }
+    return subprocess.call([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *TESTS], env=environment)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

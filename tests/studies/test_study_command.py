@@ -1,0 +1,96 @@
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fmus.errors import AdcsError
+from orchestration.plots import Panel, Series
+from studies import cli
+from studies.outcome import Outcome, Progress, Row
+from studies.registry import StudyEntry
+
+MANIFEST = {
+    "started": "2020-01-01",
+    "system": {
+        "name": "loop",
+        "components": {"plant": {"file": "RigidBody.fmu", "fmi_version": "2.0", "sha256": "ab12"}},
+    },
+    "settings": {"step": 0.01},
+    "seeds": {},
+    "versions": {"fmpy": "1"},
+    "timing": {"cpu_s": 0.5},
+}
+
+
+@dataclass(frozen=True)
+class Choices:
+    settled: float = 0.02
+    draws: int = 4
+
+
+def run(choices: Choices, progress: Progress) -> tuple[Outcome, list[tuple[str, dict[str, Any]]]]:
+    progress(0.5, "working")
+    rows = [Row("toy", "Table 1", "a", "", 1.0, choices.settled, None, "reproduced")]
+    curve = Series("s", np.arange(3), np.arange(3))
+    return Outcome(rows, [Panel("p", "y", [curve], group="1.2  First & last")]), [("the run", MANIFEST)]
+
+
+@pytest.fixture(autouse=True)
+def toy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(cli, "STUDIES", {"toy": StudyEntry("toy", "A toy", "Nothing.", Choices, run)})
+    monkeypatch.chdir(tmp_path)
+
+
+def test_json_is_all_that_is_printed_to_stdout() -> None:
+    result = CliRunner().invoke(cli.app, ["toy", "--json", "--set", "settled=0.5"])
+    assert result.exit_code == 0
+    assert json.loads(result.stdout)[0]["ours"] == 0.5
+
+
+def test_files() -> None:
+    result = CliRunner().invoke(cli.app, ["toy"])
+    assert result.exit_code == 0
+    folder = Path("results/study-toy")
+    names = {"index.html", "rows.csv", "rows.json", "runs.json", "1-2-first-last.png"}
+    assert {file.name for file in folder.iterdir()} == names
+    assert "1 reproduced" in result.stdout
+    assert str(folder / "index.html") in result.stdout
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    assert "adcs study toy" in page
+    assert "ab12" in page
+    assert json.loads((folder / "runs.json").read_text(encoding="utf-8")) == [{"run": "the run", **MANIFEST}]
+
+
+def test_out_names_the_folder() -> None:
+    CliRunner().invoke(cli.app, ["toy", "--out", "there"])
+    assert Path("there/index.html").exists()
+
+
+def test_unknown_study() -> None:
+    result = CliRunner().invoke(cli.app, ["nothing"])
+    assert isinstance(result.exception, AdcsError)
+    assert str(result.exception) == "no study 'nothing': choose one of toy"
+
+
+def test_choices() -> None:
+    assert cli.with_changes(Choices(), ["draws=2", "settled=0.1"]) == Choices(0.1, 2)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ("setled=1", "no choice 'setled': choose one of settled, draws, as in --set settled=VALUE"),
+        ("draws=0.5", "choice draws = '0.5': expected a number (int)"),
+        ("settled", "choice settled = '': expected a number (float)"),
+    ],
+)
+def test_bad_choices_are_refused_in_one_line(change: str, message: str) -> None:
+    with pytest.raises(AdcsError) as error:
+        cli.with_changes(Choices(), [change])
+    assert str(error.value) == message

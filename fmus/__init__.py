@@ -1,8 +1,8 @@
 """Builds, lists and checks the FMUs.
 
-    import fmus
-    fmus.build()                              # NAME.fmu and NAME.fmi3.fmu of every component
-    fmus.check(fmus.fmu_path("RigidBody"))    # []
+import fmus
+fmus.build()                              # NAME.fmu and NAME.fmi3.fmu of every component
+fmus.check(fmus.fmu_path("RigidBody"))    # []
 """
 
 from pathlib import Path

@@ -99,9 +99,10 @@ class _Plan:
             for t in targets
         }
         machine = host()
+        flag = "-DADCS_DESCRIBE"
         describe = [
-            compile_step(self._model, self._object(f"describe_{component.name}", machine), machine, "-DADCS_DESCRIBE"),
-            compile_step(SOURCES / "fmi" / "describe.cpp", self._object("describe", machine), machine, "-DADCS_DESCRIBE"),
+            compile_step(self._model, self._object(f"describe_{component.name}", machine), machine, flag),
+            compile_step(SOURCES / "fmi" / "describe.cpp", self._object("describe", machine), machine, flag),
             self._compile_adaptor("instance", machine),
             self._compile_adaptor("runtime", machine),
         ]
@@ -121,8 +122,8 @@ class _Plan:
             if file.is_relative_to(EIGEN) or file.is_relative_to(SOURCES) or file == self._model
         }
         binaries = {target: step.output for target, step in self._binaries.items()}
-        package = [*PACKAGE.glob("*.py"), *(PACKAGE / "templates").iterdir(), *(PACKAGE / "licenses").iterdir(), LICENSE]
-        parts = [*binaries.values(), self.describe_link.output, *sources.values(), *sorted(package)]
+        package = [file for pattern in ("*.py", "templates/*", "licenses/*") for file in sorted(PACKAGE.glob(pattern))]
+        parts = [*binaries.values(), self.describe_link.output, *sources.values(), *package, LICENSE]
         key = [fmi_version, os.environ.get("SOURCE_DATE_EPOCH", ""), *sources, *map(digest, parts)]
         record = self._work / "packed" / f"{path.name}.txt"
 

@@ -9,7 +9,6 @@ import fmpy
 
 from fmus.checks.archive import check_archive, check_layout
 from fmus.checks.behaviour import check_behaviour
-from fmus.checks.binary import check_binary
 from fmus.checks.description import check_companions, check_dependencies, check_standard, check_variables
 
 
@@ -28,6 +27,8 @@ def check(path: Path | str) -> list[Finding]:
 
 
 def _check(path: Path) -> Iterator[Finding]:
+    from fmus.checks.binary import check_binary  # not at the top: the library behind it takes a second to load
+
     def found(rule: str, messages: Iterable[str]) -> Iterator[Finding]:
         return (Finding(rule, message) for message in messages)
 

@@ -13,6 +13,7 @@ from rich.table import Column, Table
 
 from fmus import catalog
 from fmus.build import build, describe
+from fmus.catalog import Component
 from fmus.check import Finding, check
 from fmus.describe import Variable
 from fmus.errors import AdcsError
@@ -40,9 +41,11 @@ def build_command(
     columns = (TextColumn("{task.description:<44}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=_err, transient=True, disable=as_json) as bar:
         task = bar.add_task("compiling", total=None)
-        built = build(
-            names, all_platforms, lambda done, total, what: bar.update(task, completed=done, total=total, description=what)
-        )
+
+        def show(done: int, total: int, what: str) -> None:
+            bar.update(task, completed=done, total=total, description=what)
+
+        built = build(names, all_platforms, show)
     if as_json:
         _print_json([{"path": str(path), "bytes": path.stat().st_size} for path in built])
         return
@@ -60,22 +63,18 @@ def list_command(as_json: Json = False) -> None:
     """
     from studies.registry import SYSTEMS  # not at the top: only here do FMUs know of systems
 
-    components = [
-        {
-            "name": c.name,
-            "kind": c.kind,
-            "description": c.summary,
-            "fmus": {v: str(DIST / p.format(c.name)) for v, p in FILE_NAMES.items() if (DIST / p.format(c.name)).is_file()},
-        }
-        for c in catalog.components()
-    ]
+    components = catalog.components()
+    built = {c.name: {v: str(path) for v, path in _paths(c).items() if path.is_file()} for c in components}
     systems = [{"name": name, "description": system.description} for name, system in SYSTEMS.items()]
     if as_json:
-        _print_json({"components": components, "systems": systems})
+        entries = [
+            {"name": c.name, "kind": c.kind, "description": c.summary, "fmus": built[c.name]} for c in components
+        ]
+        _print_json({"components": entries, "systems": systems})
         return
     table = Table("Component", "Kind", "Description", "Built for FMI")
     for c in components:
-        table.add_row(c["name"], c["kind"], c["description"], ", ".join(c["fmus"]) or "[dim]not built[/dim]")
+        table.add_row(c.name, c.kind, c.summary, ", ".join(built[c.name]) or "[dim]not built[/dim]")
     _out.print(table)
     table = Table("System", "Description")
     for system in systems:
@@ -110,7 +109,8 @@ def info_command(name: Annotated[str, typer.Argument(help="A component.")], as_j
 @app.command("check")
 def check_command(
     fmus: Annotated[
-        list[str] | None, typer.Argument(help="Components or paths of FMUs; all built components if left out.", show_default=False)
+        list[str] | None,
+        typer.Argument(help="Components or paths of FMUs; all built components if left out.", show_default=False),
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -150,12 +150,16 @@ def _fmu_paths(name_or_path: str) -> list[Path]:
         if not Path(name_or_path).is_file():
             raise AdcsError(f"{name_or_path} is no file")
         return [Path(name_or_path)]
-    paths = [DIST / pattern.format(catalog.find(name_or_path).name) for pattern in FILE_NAMES.values()]
-    return _existing(paths)
+    return _existing(list(_paths(catalog.find(name_or_path)).values()))
 
 
 def _all_built() -> list[Path]:
-    return _existing([DIST / pattern.format(c.name) for c in catalog.components() for pattern in FILE_NAMES.values()])
+    return _existing([path for component in catalog.components() for path in _paths(component).values()])
+
+
+def _paths(component: Component) -> dict[str, Path]:
+    """FMI version -> where the FMU is if it is built."""
+    return {version: DIST / pattern.format(component.name) for version, pattern in FILE_NAMES.items()}
 
 
 def _existing(paths: list[Path]) -> list[Path]:

@@ -12,7 +12,11 @@ from fmus.describe import Description, Variable
 from fmus.model_description import version
 
 _TEMPLATES = jinja2.Environment(
-    loader=jinja2.PackageLoader("fmus"), autoescape=True, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True
+    loader=jinja2.PackageLoader("fmus"),
+    autoescape=True,
+    trim_blocks=True,
+    lstrip_blocks=True,
+    keep_trailing_newline=True,
 )
 _CODE_OR_MATH = re.compile(r"(?P<code>`[^`]*`)|\$\$(?P<display>.+?)\$\$|\$(?P<inline>.+?)\$", re.DOTALL)
 _GROUPS = {

@@ -3,12 +3,11 @@
 import io
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib import patches
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-
-import numpy as np
 
 COLOURS = {
     "guidance": "#7a4fb0",
@@ -23,15 +22,20 @@ _PIXELS = 256
 
 def draw(name: str, kind: str, form: str) -> bytes:
     """The icon as `form` "svg" or "png"; equal bytes each time."""
-    settings = {"svg.hashsalt": name, "svg.fonttype": "path", "font.family": "DejaVu Sans"}
-    with mpl.rc_context(settings):
+    with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "path", "font.family": "DejaVu Sans"}):
         figure = Figure(figsize=(2, 2), dpi=_PIXELS / 2)
         FigureCanvasAgg(figure)
         axes = figure.add_axes((0, 0, 1, 1), xlim=(-1, 1), ylim=(-1, 1), aspect="equal")
         axes.set_axis_off()
         colour = COLOURS[kind]
         frame = patches.FancyBboxPatch(
-            (-0.9, -0.9), 1.8, 1.8, boxstyle="round,pad=0,rounding_size=0.2", facecolor="white", edgecolor=colour, linewidth=4
+            (-0.9, -0.9),
+            1.8,
+            1.8,
+            boxstyle="round,pad=0,rounding_size=0.2",
+            facecolor="white",
+            edgecolor=colour,
+            linewidth=4,
         )
         axes.add_patch(frame)
         _SIGNS[kind](axes, colour)
@@ -66,18 +70,16 @@ def _estimate(axes: Axes, colour: str) -> None:
 
 def _feedback(axes: Axes, colour: str) -> None:
     axes.add_patch(patches.Circle((-0.38, 0.22), 0.16, fill=False, edgecolor=colour, linewidth=4))
-    arrow = {"arrowstyle": "-|>,head_width=0.3,head_length=0.5", "color": colour, "linewidth": 3, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", (-0.54, 0.22), (-0.8, 0.22), arrowprops=arrow)
-    axes.annotate("", (0.78, 0.22), (-0.22, 0.22), arrowprops=arrow)
+    _arrow(axes, (-0.8, 0.22), (-0.54, 0.22), colour)
+    _arrow(axes, (-0.22, 0.22), (0.78, 0.22), colour)
     axes.plot([0.4, 0.4, -0.38], [0.22, -0.34, -0.34], color=colour, linewidth=3)
-    axes.annotate("", (-0.38, 0.06), (-0.38, -0.34), arrowprops=arrow)
+    _arrow(axes, (-0.38, -0.34), (-0.38, 0.06), colour)
 
 
 def _target(axes: Axes, colour: str) -> None:
     for radius in (0.42, 0.22):
         axes.add_patch(patches.Circle((0.15, 0.15), radius, fill=False, edgecolor=colour, linewidth=4))
-    arrow = {"arrowstyle": "-|>,head_width=0.35,head_length=0.6", "color": colour, "linewidth": 4, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", (0.17, 0.17), (-0.65, -0.45), arrowprops=arrow)
+    _arrow(axes, (-0.65, -0.45), (0.17, 0.17), colour)
 
 
 def _field(axes: Axes, colour: str) -> None:
@@ -87,6 +89,11 @@ def _field(axes: Axes, colour: str) -> None:
             axes.add_patch(
                 patches.Ellipse((side * size, 0.12), 2 * size, 1.6 * size, fill=False, edgecolor=colour, linewidth=3)
             )
+
+
+def _arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], colour: str) -> None:
+    style = {"arrowstyle": "-|>,head_width=0.3,head_length=0.5", "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", end, start, arrowprops=style | {"color": colour, "linewidth": 3})
 
 
 _SIGNS = {

@@ -11,6 +11,7 @@ from lxml import etree
 from fmus.describe import Description, Unit, Variable
 from fmus.errors import AdcsError
 from fmus.paths import CHECKOUT
+from fmus.xml import serialised
 
 DEFAULT_EXPERIMENT = {"startTime": "0", "stopTime": "100", "tolerance": "1e-8", "stepSize": "0.01"}
 
@@ -82,7 +83,7 @@ def fmi2(d: Description, source_files: Iterable[str] = ()) -> bytes:
             for vr, knowns in rows.items():
                 attributes = {"index": index[vr], "dependencies": _join(sorted(index[k] for k in knowns))}
                 _add(group, "Unknown", attributes)
-    return _serialised(root)
+    return serialised(root)
 
 
 def fmi3(d: Description) -> bytes:
@@ -113,7 +114,10 @@ def fmi3(d: Description) -> bytes:
             v.type,
             attributes
             | _number_attributes(v)
-            | {"start": None if v.start is None else _join(_literal(v, x) for x in v.start), "derivative": v.derivative_of},
+            | {
+                "start": None if v.start is None else _join(_literal(v, x) for x in v.start),
+                "derivative": v.derivative_of,
+            },
         )
         for extent in v.shape:
             _add(element, "Dimension", {"start": extent})
@@ -130,7 +134,7 @@ def fmi3(d: Description) -> bytes:
             whole.setdefault(d.at(vr).vr, set()).update(d.at(k).vr for k in knowns)
         for vr, known_arrays in whole.items():
             _add(structure, name, {"valueReference": vr, "dependencies": _join(sorted(known_arrays))})
-    return _serialised(root)
+    return serialised(root)
 
 
 def _is_output(v: Variable) -> bool:
@@ -149,18 +153,20 @@ def _dependencies(
     variables: Iterable[Variable], wanted: Callable[[Variable], bool], at_start: bool = False
 ) -> dict[int, tuple[int, ...]]:
     """Scalar value reference of each element of the wanted variables -> scalar value references it depends on."""
-    rows = {}
+    rows: dict[int, tuple[int, ...]] = {}
     for v in filter(wanted, variables):
         per_element = v.initial_dependencies if at_start else v.dependencies
         if per_element is None or len(per_element) != v.size:
-            raise AdcsError(f"{v.name}: {'initial ' if at_start else ''}dependencies are {per_element}, expected {v.size} rows")
+            when = "initial " if at_start else ""
+            raise AdcsError(f"{v.name}: {when}dependencies are {per_element}, expected {v.size} rows")
         rows |= {v.vr + i: row for i, row in enumerate(per_element)}
     return rows
 
 
 def _root(d: Description, fmi_version: str, attributes: Mapping[str, object]) -> etree._Element:
     root = etree.Element("fmiModelDescription")
-    epoch = os.environ.get("SOURCE_DATE_EPOCH")
+    epoch = os.environ.get("SOURCE_DATE_EPOCH")  # without it no date: the same sources give the same file
+    date = datetime.fromtimestamp(int(epoch), UTC).strftime("%Y-%m-%dT%H:%M:%SZ") if epoch else None
     about = {
         "fmiVersion": fmi_version,
         "modelName": d.name,
@@ -168,8 +174,7 @@ def _root(d: Description, fmi_version: str, attributes: Mapping[str, object]) ->
         "version": version(),
         "license": "BSD-3-Clause",
         "generationTool": f"adcs-fmus {version()}",
-        # left out by default: the same sources give the same file
-        "generationDateAndTime": datetime.fromtimestamp(int(epoch), UTC).strftime("%Y-%m-%dT%H:%M:%SZ") if epoch else None,
+        "generationDateAndTime": date,
         "variableNamingConvention": "structured",
     }
     _set(root, about | dict(attributes))
@@ -227,7 +232,3 @@ def _set(element: etree._Element, attributes: Mapping[str, object]) -> None:
     for name, value in attributes.items():
         if value is not None:
             element.set(name, str(value).lower() if isinstance(value, bool) else str(value))
-
-
-def _serialised(root: etree._Element) -> bytes:
-    return etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)

@@ -10,12 +10,13 @@ from pathlib import Path
 
 from lxml import etree
 
-from fmus import documentation, icon, model_description
+from fmus import documentation, model_description
 from fmus.catalog import Component
 from fmus.describe import Description
 from fmus.paths import FMI_HEADERS, LICENSE, PACKAGE
 from fmus.terminals import terminals_and_icons
 from fmus.toolchain import ZIG, Target, universal_binary
+from fmus.xml import serialised
 
 FILE_NAMES = {"2.0": "{}.fmu", "3.0": "{}.fmi3.fmu"}
 """FMI version -> name of the FMU of a component."""
@@ -44,12 +45,10 @@ def pack(
 
     `sources` are the files in sources/ by their names there, `compiled` the names of those that are compiled.
     """
+    from fmus import icon  # not at the top: matplotlib takes a second to load
+
     compiled = list(compiled)
-    xml = (
-        model_description.fmi2(description, compiled)
-        if fmi_version == "2.0"
-        else model_description.fmi3(description)
-    )
+    xml = model_description.fmi2(description, compiled) if fmi_version == "2.0" else model_description.fmi3(description)
     png = icon.draw(component.name, component.kind, "png")
     files = {
         "modelDescription.xml": xml,
@@ -86,11 +85,10 @@ def _build_description(name: str, compiled: Iterable[str]) -> bytes:
     for file in compiled:
         etree.SubElement(file_set, "SourceFile", name=file)
     etree.SubElement(file_set, "IncludeDirectory", name=".")
-    return etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
+    return serialised(root)
 
 
 def _licences() -> dict[str, str]:
-    
     headers = (FMI_HEADERS / "fmi3Functions.h").read_text(encoding="utf-8")
     fmi = re.search(r"Copyright \(C\).*?(?=\*/)", headers, re.DOTALL)
     assert fmi, "the FMI headers carry their licence"

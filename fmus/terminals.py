@@ -3,6 +3,7 @@
 from lxml import etree
 
 from fmus.describe import Description
+from fmus.xml import serialised
 
 
 def terminals_and_icons(description: Description, fmi_version: str) -> bytes:
@@ -24,4 +25,4 @@ def terminals_and_icons(description: Description, fmi_version: str) -> bytes:
                 etree.SubElement(
                     terminal, "TerminalMemberVariable", variableName=name, memberName=str(i), variableKind="signal"
                 )
-    return etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
+    return serialised(root)

@@ -9,7 +9,7 @@ import subprocess
 import time
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cache
 from importlib import metadata
 from pathlib import Path
@@ -81,10 +81,12 @@ class Step:
 
     @property
     def depfile(self) -> Path:
+        """Where the compiler writes what it included."""
         return _beside(self.output, ".d")
 
     @property
     def record(self) -> Path:
+        """Where is kept what the output was made of."""
         return _beside(self.output, ".json")
 
 
@@ -97,8 +99,11 @@ def compile_step(source: Path, output: Path, target: Target, *flags: str) -> Ste
 
 def link_step(objects: Sequence[Path], output: Path, target: Target) -> Step:
     """Links a shared library that exports what the export list says."""
+    flags = ("-shared", *LINK_FLAGS[target.suffix])
+    if target.suffix == ".dylib":
+        flags += (f"-Wl,-install_name,@rpath/{output.name}",)  # else it is the path on this machine
     exports = (SOURCES / "fmi" / "exports.map",) if target.suffix == ".so" else ()
-    return _link(objects, output, target, ("-shared", *LINK_FLAGS[target.suffix]), exports)
+    return _link(objects, output, target, flags, exports)
 
 
 def program_step(objects: Sequence[Path], output: Path, target: Target) -> Step:
@@ -123,18 +128,18 @@ def is_up_to_date(step: Step) -> bool:
     """Whether the output was made by this command and compiler from inputs with this content."""
     if not step.output.is_file():
         return False
-    record = _read_record(step)
-    return record.get("command") == _signature(step) and all(
-        digest(Path(path)) == known for path, known in record["inputs"].items()
+    record = _Record.read(step.record)
+    return record.command == _signature(step) and all(
+        digest(Path(path)) == known for path, known in record.inputs.items()
     )
 
 
 def included_files(step: Step) -> list[Path]:
     """The files that went into an up-to-date step, those of the compiler itself excepted."""
-    record = _read_record(step)
-    if not record:
+    record = _Record.read(step.record)
+    if not record.command:
         raise AdcsError(f"{step.output.name}: a source file changed while it was being compiled: build again")
-    return [Path(path) for path in record["inputs"]]
+    return [Path(path) for path in record.inputs]
 
 
 def digest(path: Path) -> str:
@@ -162,8 +167,8 @@ def universal_binary(slices: Sequence[bytes]) -> bytes:
     start = 1 << alignment
     for content in slices:
         processor = [int.from_bytes(content[at : at + 4], "little") for at in (4, 8)]
-        for field in (*processor, start + len(body), len(content), alignment):
-            header += field.to_bytes(4)
+        for number in (*processor, start + len(body), len(content), alignment):
+            header += number.to_bytes(4)
         body += content + bytes(-len(content) % start)
     return bytes(header.ljust(start, b"\0") + body)
 
@@ -192,8 +197,8 @@ def _run(step: Step) -> None:
     if any(path.stat().st_mtime_ns > started for path in inputs):  # edited meanwhile: who knows what was read
         step.record.unlink(missing_ok=True)
         return
-    record = {"command": _signature(step), "inputs": {str(path): digest(path) for path in inputs}}
-    write_atomically(step.record, json.dumps(record, indent=1).encode())
+    record = _Record(_signature(step), {str(path): digest(path) for path in inputs})
+    write_atomically(step.record, json.dumps(asdict(record), indent=1).encode())
 
 
 def _dependencies(depfile: Path) -> list[Path]:
@@ -207,12 +212,19 @@ def _signature(step: Step) -> str:
     return " ".join((f"zig {metadata.version('ziglang')}", *step.command))
 
 
-def _read_record(step: Step) -> dict[str, dict[str, str]]:
-    try:
-        record: dict[str, dict[str, str]] = json.loads(step.record.read_bytes())
-    except (FileNotFoundError, json.JSONDecodeError):
-        return {}
-    return record
+@dataclass(frozen=True)
+class _Record:
+    """What an output was made of: the command, and the digest of each file."""
+
+    command: str = ""
+    inputs: dict[str, str] = field(default_factory=dict)
+
+    @staticmethod
+    def read(path: Path) -> "_Record":
+        try:
+            return _Record(**json.loads(path.read_bytes()))
+        except (FileNotFoundError, ValueError, TypeError):
+            return _Record()
 
 
 @cache

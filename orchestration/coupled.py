@@ -215,7 +215,7 @@ class _Dop853:
 
     def __init__(self, model: CoupledModel, rtol: float, atol: float) -> None:
         self._model = model
-        self._tolerances = {"rtol": rtol, "atol": atol}
+        self._rtol, self._atol = rtol, atol
         self._solver: Any = None
 
     def restart(self, t: float, x: Floats) -> None:
@@ -223,7 +223,7 @@ class _Dop853:
 
     def advance(self, target: float) -> tuple[float, bool]:
         if self._solver is None:
-            self._solver = DOP853(self._model.rhs, self._time, self.x, target, **self._tolerances)
+            self._solver = DOP853(self._model.rhs, self._time, self.x, target, rtol=self._rtol, atol=self._atol)
         solver = self._solver
         solver.t_bound, solver.status = target, "running"
         while solver.status == "running":

@@ -1,4 +1,4 @@
-"""Runs the adaptor's tests on FMUs whose binaries are the sanitized ones of CMake's `sanitize` preset.
+"""Runs the tests of adaptor, components and stepping loop on the sanitized binaries of CMake's `sanitize` preset.
 
 `make sanitize` builds them. An error of ASan or UBSan aborts the run. Leaks are looked for in tests/native, where
 nothing of Python's is in the way.
@@ -13,7 +13,13 @@ from pathlib import Path
 from fmus.paths import BUILD, DIST
 
 FOLDERS = ("binaries/linux64/", "binaries/x86_64-linux/")
-TESTS = ("tests/adaptor", "tests/laws/test_components.py")
+TESTS = (
+    "tests/adaptor",
+    "tests/laws/test_components.py",
+    "tests/orchestration/test_cosimulation.py",
+    "tests/orchestration/test_coupled.py",
+    "tests/orchestration/test_tracking_loop.py",
+)
 
 
 def swap_binary(fmu: Path, to: Path, library: Path) -> None:
@@ -37,6 +43,7 @@ def main() -> int:
     ]
     environment = os.environ | {
         "ADCS_DIST": str(dist),
+        "ADCS_ENGINE": str(libraries / "engine.so"),
         "LD_PRELOAD": " ".join(preload),
         "ASAN_OPTIONS": "detect_leaks=0:halt_on_error=1",
         "UBSAN_OPTIONS": "print_stacktrace=1",

@@ -23,7 +23,11 @@ _TOP_LEVEL = {
 _SUFFIXES = {
     **{t.name: t.suffix for t in TARGETS},
     **{t.fmi2_folder: t.suffix for t in TARGETS},
-    **{"linux32": ".so", "win32": ".dll", "darwin32": ".dylib", "x86-linux": ".so", "x86-windows": ".dll"},
+    "linux32": ".so",
+    "win32": ".dll",
+    "darwin32": ".dylib",
+    "x86-linux": ".so",
+    "x86-windows": ".dll",
 }
 
 
@@ -90,7 +94,8 @@ def _check_sources(archive: zipfile.ZipFile, files: set[str]) -> Iterator[str]:
         ("modelDescription.xml", ".//SourceFiles/File"),
     ):
         if document in files:
-            listed |= {f"sources/{file.get('name')}" for file in etree.fromstring(archive.read(document)).iterfind(path)}
+            root = etree.fromstring(archive.read(document))
+            listed |= {f"sources/{file.get('name')}" for file in root.iterfind(path)}
     for name in sorted(listed - files):
         yield f"{name} is to be compiled, but missing"
     if not listed and any(name.startswith("sources/") for name in files):

@@ -88,6 +88,7 @@ def _try(path: Path) -> Iterator[str]:
             try:
                 instance("not the token")
             except Exception:
+                print()  # so that the refusal is not taken for the cause of a later finding
                 continue
             yield f"{name} can be instantiated with a wrong token"
 

@@ -15,11 +15,14 @@ _NEEDED = re.compile(
 )
 """Libraries that are part of every Linux, Windows 10 and macOS."""
 _LINKER_MADE = {"_mh_dylib_header", "__dso_handle"}  # macOS has them in every library
+_X86 = frozenset({"X86_64", "AMD64"})
+_ARM = frozenset({"AARCH64", "ARM64"})
 _ARCHITECTURES = {
-    **{folder: {"X86_64", "AMD64"} for folder in ("linux64", "win64", "x86_64-linux", "x86_64-windows", "x86_64-darwin")},
-    **{folder: {"AARCH64", "ARM64"} for folder in ("aarch64-linux", "aarch64-darwin")},
-    "darwin64": {"X86_64"},
+    **dict.fromkeys(("linux64", "win64", "darwin64"), _X86),
+    **dict.fromkeys(("x86_64-linux", "x86_64-windows", "x86_64-darwin"), _X86),
+    **dict.fromkeys(("aarch64-linux", "aarch64-darwin"), _ARM),
 }
+_Library = lief.ELF.Binary | lief.PE.Binary | lief.MachO.Binary
 
 
 def check_binary(name: str, content: bytes, fmi_version: str) -> Iterator[str]:
@@ -27,7 +30,7 @@ def check_binary(name: str, content: bytes, fmi_version: str) -> Iterator[str]:
     lief.logging.disable()
     folder = PurePosixPath(name).parts[1]
     parsed = lief.MachO.parse(content) if name.endswith(".dylib") else lief.parse(content)
-    if parsed is None:
+    if not isinstance(parsed, _Library | lief.MachO.FatBinary):
         yield f"{name} is no shared library"
         return
     slices = list(parsed) if isinstance(parsed, lief.MachO.FatBinary) else [parsed]
@@ -59,13 +62,14 @@ def functions(fmi_version: str) -> frozenset[str]:
 def _check_glibc(name: str, part: lief.ELF.Binary) -> Iterator[str]:
     for requirement in part.symbols_version_requirement:
         for version in requirement.get_auxiliary_symbols():
-            match = re.fullmatch(r"GLIBC_([\d.]+)", str(version.name))
+            version_name = str(version.name)
+            match = re.fullmatch(r"GLIBC_([\d.]+)", version_name)
             if not match or tuple(map(int, match[1].split("."))) > GLIBC_FLOOR:
                 floor = ".".join(map(str, GLIBC_FLOOR))
-                yield f"{name} needs {version.name} of {requirement.name}, expected GLIBC_{floor} or older"
+                yield f"{name} needs {version_name} of {requirement.name}, expected GLIBC_{floor} or older"
 
 
-def _architecture(part: lief.Binary) -> str:
+def _architecture(part: _Library) -> str:
     match part:
         case lief.ELF.Binary():
             return part.header.machine_type.name
@@ -73,10 +77,9 @@ def _architecture(part: lief.Binary) -> str:
             return part.header.machine.name
         case lief.MachO.Binary():
             return part.header.cpu_type.name
-    return type(part).__name__
 
 
-def _exports(part: lief.Binary) -> list[str]:
+def _exports(part: _Library) -> list[str]:
     match part:
         case lief.PE.Binary():
             export = part.get_export()
@@ -85,10 +88,9 @@ def _exports(part: lief.Binary) -> list[str]:
             return [str(symbol.name).removeprefix("_") for symbol in part.exported_symbols]
         case lief.ELF.Binary():
             return [str(symbol.name) for symbol in part.exported_symbols]
-    return []
 
 
-def _needs(part: lief.Binary) -> list[str]:
+def _needs(part: _Library) -> list[str]:
     if isinstance(part, lief.MachO.Binary):
         own_name = lief.MachO.LoadCommand.TYPE.ID_DYLIB
         return [str(library.name) for library in part.libraries if library.command != own_name]

@@ -2,7 +2,7 @@
 
 import math
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import fmpy
@@ -67,16 +67,15 @@ def check_dependencies(model: ModelDescription) -> Iterator[str]:
     def is_known_at_start(v: ModelVariable) -> bool:
         return v.causality in ("input", "independent") or v.initial == "exact"
 
-    groups: list[tuple[list[Unknown], object]] = [
-        (model.outputs, is_known),
-        (model.derivatives, is_known),
-        (model.initialUnknowns, is_known_at_start),
+    groups: list[tuple[list[Unknown], Callable[[ModelVariable], bool], str]] = [
+        (model.outputs, is_known, "during the run"),
+        (model.derivatives, is_known, "during the run"),
+        (model.initialUnknowns, is_known_at_start, "at the start"),
     ]
-    for unknowns, allowed in groups:
+    for unknowns, allowed, when in groups:
         for unknown in unknowns:
             for known in unknown.dependencies or []:
-                if not allowed(known):  # type: ignore[operator]
-                    when = "at the start" if allowed is is_known_at_start else "during the run"
+                if not allowed(known):
                     yield (
                         f"{unknown.variable.name}: depends {when} on {known.name}, "
                         f"a {known.causality} with initial {known.initial}, which is not known then"
@@ -96,7 +95,7 @@ def _check_derivative(v: ModelVariable, state: ModelVariable) -> Iterator[str]:
 def _check_start(v: ModelVariable) -> Iterator[str]:
     size = math.prod(v.shape)
     values = str(v.start).split()
-    if len(values) != size:
+    if len(values) not in (size, 1):  # one value may stand for all elements
         yield f"{v.name}: start has {len(values)} values, expected {_shape(v)}"
     if v.type == "Boolean":
         return

@@ -108,9 +108,9 @@ def test_path_of_an_fmu(built, monkeypatch):
     monkeypatch.setattr("fmus.DIST", built)
     assert fmus.fmu_path("RigidBody") == built / "RigidBody.fmu"
     assert fmus.fmu_path("RigidBody", "3.0") == built / "RigidBody.fmi3.fmu"
-    with pytest.raises(fmus.AdcsError, match=r"PdTracking.fmu is not built: run: adcs build"):
+    with pytest.raises(fmus.AdcsError, match=r"PdTracking\.fmu is not built: run: adcs build"):
         fmus.fmu_path("PdTracking")
-    with pytest.raises(fmus.AdcsError, match="FMI version 1.0 is not made: expected 2.0 or 3.0"):
+    with pytest.raises(fmus.AdcsError, match=r"FMI version 1\.0 is not made: expected 2.0 or 3.0"):
         fmus.fmu_path("RigidBody", "1.0")
 
 

@@ -29,7 +29,9 @@ def test_only_headers_that_declare_the_struct_of_their_name_count(tmp_path, monk
     monkeypatch.setattr(catalog, "SOURCES", tmp_path)
     folder = tmp_path / "sensors"
     folder.mkdir()
-    (folder / "sun_sensor.hpp").write_text('/// # Sun\n///\n///   $x$\n\nstruct SunSensor { summary = "sees"; declare(v) };')
+    (folder / "sun_sensor.hpp").write_text(
+        '/// # Sun\n///\n///   $x$\n\nstruct SunSensor { summary = "sees"; declare(v) };'
+    )
     (folder / "noise.hpp").write_text("struct Noise { int shared; };")
     (folder / "gyro.hpp").write_text("struct Other { declare(v) };")
 

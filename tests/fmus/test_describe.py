@@ -33,7 +33,11 @@ def test_what_the_rigid_body_declares():
 
 @pytest.mark.parametrize(
     ("script", "message"),
-    [("echo broken >&2; exit 3", "exit code 3: broken"), ("echo '{'", "no valid description"), ("echo '{}'", "KeyError")],
+    [
+        ("echo broken >&2; exit 3", "exit code 3: broken"),
+        ("echo '{'", "no valid description"),
+        ("echo '{}'", "KeyError"),
+    ],
 )
 def test_a_describe_program_that_fails(tmp_path, script, message):
     program = tmp_path / "program"

@@ -33,6 +33,6 @@ def test_pages_stand_alone_and_show_every_variable():
 def test_matrices_and_bounds_are_readable():
     text = page(catalog.find("RigidBody"), describe("RigidBody"))
     row = re.search(r"<tr><td><code>J_B</code>.*", text)[0]
-    assert "<td>3 × 3</td><td>kg.m2</td>" in row
+    assert "<td>3 \u00d7 3</td><td>kg.m2</td>" in row
     assert re.search(r"<td>\[[^;]+; [^;]+; [^;]+\]</td>", row)
     assert "<td>0 … 1.5708</td>" in page(catalog.find("StarTracker"), describe("StarTracker"))

@@ -89,7 +89,12 @@ def test_fmi2_names_the_sources_to_compile(spinner):
 
 def test_fmi3_has_arrays(spinner):
     variables = {v.name: v for v in read(fmi3(spinner)).modelVariables}
-    assert {v.name: v.shape for v in variables.values() if v.shape} == {"u": (2,), "M": (2, 3), "x": (2,), "der(x)": (2,)}
+    assert {v.name: v.shape for v in variables.values() if v.shape} == {
+        "u": (2,),
+        "M": (2, 3),
+        "x": (2,),
+        "der(x)": (2,),
+    }
     assert variables["M"].start == "1.0 2.0 3.0 4.0 5.0 6.25"
     assert variables["M"].valueReference == 3
     assert (variables["mode"].type, variables["mode"].start) == ("Int32", "7")

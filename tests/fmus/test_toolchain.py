@@ -2,7 +2,16 @@ import lief
 import pytest
 
 from fmus.errors import AdcsError
-from fmus.toolchain import TARGETS, compile_step, host, included_files, is_up_to_date, run_steps, universal_binary
+from fmus.toolchain import (
+    TARGETS,
+    compile_step,
+    host,
+    included_files,
+    is_up_to_date,
+    link_step,
+    run_steps,
+    universal_binary,
+)
 
 
 @pytest.fixture
@@ -11,7 +20,7 @@ def project(tmp_path):
     folder = tmp_path / "with space"
     folder.mkdir()
     (folder / "size.hpp").write_text("constexpr int size = 3;\n")
-    (folder / "main.cpp").write_text('#include "size.hpp"\nint f() { return size; }\n')
+    (folder / "main.cpp").write_text('#include "size.hpp"\n[[gnu::visibility("default")]] int f() { return size; }\n')
     return folder
 
 
@@ -81,6 +90,16 @@ def test_a_universal_binary_holds_its_slices(project):
     for part, content in zip(fat, slices, strict=True):
         assert part.fat_offset % (1 << 14) == 0
         assert universal_binary(slices)[part.fat_offset :].startswith(content)
+
+
+def test_libraries_do_not_know_where_they_were_made(project):
+    targets = [target for target in TARGETS if target.suffix != ".dll"]  # that one would take minutes the first time
+    objects = {t: compile_step(project / "main.cpp", project / "out" / f"{t.name}.o", t) for t in targets}
+    run_steps(objects.values())
+    libraries = [link_step([o.output], project / "out" / t.name / f"main{t.suffix}", t) for t, o in objects.items()]
+    run_steps(libraries)
+    for library in libraries:
+        assert str(project).encode() not in library.output.read_bytes(), library.output
 
 
 def test_targets_have_distinct_places():

@@ -70,7 +70,7 @@ def scenario(name: str) -> list[str]:
             outputs.append(str(v.valueReference))
         if v.name.startswith("q_") and v.start is not None:
             values.append(f"{v.valueReference}={quaternion[int(v.name[-2]) - 1]!r}")
-        elif v.causality == "input" or v.name.startswith("omega_") and v.start is not None:
+        elif v.causality == "input" or (v.name.startswith("omega_") and v.start is not None):
             values.append(f"{v.valueReference}={rng.uniform(-0.2, 0.2)!r}")
         elif v.name == "half_angle":
             values.append(f"{v.valueReference}=0.01")

@@ -44,6 +44,7 @@ TARGETS = (
 
 COMPILE_FLAGS = (
     *("-std=c++17", "-O2", "-DNDEBUG"),  # without -O zig inserts traps of the undefined behaviour sanitizer
+    "-g0",  # zig adds debug information with absolute paths by itself
     *("-fno-exceptions", "-fno-rtti"),
     "-ffp-contract=off",  # same digits on every platform
     *("-fvisibility=hidden", "-fvisibility-inlines-hidden", "-fvisibility-global-new-delete=force-hidden"),
@@ -53,7 +54,7 @@ COMPILE_FLAGS = (
 )
 LINK_FLAGS = {
     ".so": (f"-Wl,--version-script={SOURCES / 'fmi' / 'exports.map'}", "-Wl,-z,defs", "-Wl,--gc-sections"),
-    ".dll": ("-Wl,--gc-sections",),
+    ".dll": ("-Wl,--gc-sections", "-Wl,-Brepro"),  # a digest in place of the time
     ".dylib": ("-Wl,-dead_strip",),
 }
 

@@ -18,6 +18,13 @@ std::int32_t* integers(const Variable& v) { return static_cast<std::int32_t*>(v.
 constexpr Type type_of(double) { return Type::float64; }
 constexpr Type type_of(std::int32_t) { return Type::int32; }
 
+template <class Value>
+bool all_finite(const Value* values, std::size_t n) {
+    double zero = 0.0;
+    for (std::size_t i = 0; i < n; ++i) zero += 0.0 * static_cast<double>(values[i]);
+    return zero == 0.0;
+}
+
 double squared_norm(const Variable& v) {
     double sum = 0.0;
     for (std::uint32_t i = 0; i < v.size; ++i) sum += floats(v)[i] * floats(v)[i];
@@ -166,13 +173,11 @@ Instance::Instance(const char* name, Interface interface, const Log& log, Model*
         size = 0;
         cut(scalars_, n_scalars_);
         cut(directional_, 2 * std::size_t{n_scalars_});
-        cut(work_, 2 * n_states_);
         cut(held_, n_held_);
         cut(unit_inputs_, n_unit_inputs_);
         cut(unit_states_, n_unit_states_);
-        cut(states_ptr_, n_states_);
-        cut(rates_ptr_, n_states_);
-        cut(outputs_ptr_, n_outputs_);
+        cut(states_, n_states_);
+        cut(outputs_, n_outputs_);
     };
     cut_all();
     memory_ = std::calloc(1, size);
@@ -188,23 +193,18 @@ Instance::Instance(const char* name, Interface interface, const Log& log, Model*
         if (input && v.kind == Kind::unit_quaternion) unit_inputs_[unit_input++] = &v;
         if (v.role == Role::state && v.kind == Kind::unit_quaternion) unit_states_[unit_state++] = &v;
         const bool bounded = std::isfinite(v.above) || std::isfinite(v.min) || std::isfinite(v.max);
+        const bool plain = input && v.type == Type::float64 && !bounded;
+        const unsigned traits = trait_of(v.type) | (computed ? trait_computed : 0U) |
+                                (v.role == Role::derivative ? trait_rate : 0U) | (early ? trait_set_early : 0U) |
+                                (running ? trait_set_running : 0U) | (plain ? 0U : trait_not_plain) |
+                                (input && v.kind != Kind::any ? trait_checked : 0U);
         for (std::uint32_t e = 0; e < v.size; ++e) {
             void* data =
                 v.type == Type::float64 ? static_cast<void*>(floats(v) + e) : static_cast<void*>(integers(v) + e);
-            scalars_[v.vr + e] = {&v,
-                                  data,
-                                  e == 0 ? v.size : 0,
-                                  v.type,
-                                  computed,
-                                  v.role == Role::derivative,
-                                  bounded,
-                                  early,
-                                  running,
-                                  input && v.type == Type::float64 && !bounded,
-                                  input && v.kind != Kind::any};
-            if (v.role == Role::state) states_ptr_[state++] = floats(v) + e;
-            if (v.role == Role::derivative) rates_ptr_[rate++] = floats(v) + e;
-            if (v.causality == Causality::output) outputs_ptr_[output++] = floats(v) + e;
+            scalars_[v.vr + e] = {data, &v, e == 0 ? v.size : 0, traits};
+            if (v.role == Role::state) states_[state++].x = floats(v) + e;
+            if (v.role == Role::derivative) states_[rate++].rate = floats(v) + e;
+            if (v.causality == Causality::output) outputs_[output++] = floats(v) + e;
         }
     }
     clock_time_ = floats(table().variables[0]);
@@ -353,29 +353,55 @@ Status Instance::set(const char* function, Addressing a, const std::uint32_t* vr
                                     : set_values<Addressing::arrays>(function, vrs, n, values, n_values);
 }
 
+/// Whether all references are known and stand for so many values; `traits` is what any of them has.
+template <Addressing A>
+bool Instance::scan(const std::uint32_t* vrs, std::size_t n, std::size_t n_values, unsigned* traits) const {
+    const Scalar* scalars = scalars_;
+    const std::uint32_t n_scalars = n_scalars_;
+    std::size_t count = 0;
+    unsigned any = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        if (vrs[i] >= n_scalars || count_of<A>(scalars[vrs[i]]) == 0) return false;
+        any |= scalars[vrs[i]].traits;
+        count += count_of<A>(scalars[vrs[i]]);
+    }
+    *traits = any;
+    return count == n_values;
+}
+
+/// What is wrong with references that are not to be read.
 template <Addressing A, class Value>
-Status Instance::get_values(const char* function, const std::uint32_t* vrs, std::size_t n, Value* values,
-                            std::size_t n_values) {
-    bool outputs = false, rates = false;
+Status Instance::check_references(const char* function, const std::uint32_t* vrs, std::size_t n, std::size_t n_values) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < n; ++i) {
         const Scalar* s = find<A>(function, vrs[i]);
         if (s == nullptr) return Status::error;
-        if (s->type != type_of(Value{})) return error("%s: %s has another type", function, s->variable->name);
-        outputs |= s->computed;
-        rates |= s->rate;
+        if ((s->traits & trait_of(type_of(Value{}))) == 0) {
+            return error("%s: %s has another type", function, s->variable->name);
+        }
         count += count_of<A>(*s);
     }
-    if (count != n_values) return error("%s: %zu values given, %zu expected", function, n_values, count);
+    return count == n_values ? Status::ok : error("%s: %zu values given, %zu expected", function, n_values, count);
+}
+
+template <Addressing A, class Value>
+Status Instance::get_values(const char* function, const std::uint32_t* vrs, std::size_t n, Value* values,
+                            std::size_t n_values) {
+    unsigned traits = 0;
+    const unsigned other_type = type_of(Value{}) == Type::float64 ? trait_int32 : trait_float64;
+    if (!scan<A>(vrs, n, n_values, &traits) || (traits & other_type) != 0) {
+        return check_references<A, Value>(function, vrs, n, n_values);
+    }
     if (mode_ != mode_instantiated) {  // before initialization nothing is computed yet
-        if (rates && !derivatives_fresh_) {
+        if ((traits & trait_rate) != 0 && !derivatives_fresh_) {
             if (Status status = evaluate_derivatives(); status != Status::ok) return status;
-        } else if (outputs && !outputs_fresh_) {
+        } else if ((traits & trait_computed) != 0 && !outputs_fresh_) {
             if (Status status = evaluate(); status != Status::ok) return status;
         }
     }
+    const Scalar* scalars = scalars_;
     for (std::size_t i = 0; i < n; ++i) {
-        const Scalar& s = scalars_[vrs[i]];
+        const Scalar& s = scalars[vrs[i]];
         const auto* from = static_cast<const Value*>(s.data);
         for (std::uint32_t e = 0; e < count_of<A>(s); ++e) *values++ = from[e];
     }
@@ -383,9 +409,11 @@ Status Instance::get_values(const char* function, const std::uint32_t* vrs, std:
 }
 
 bool Instance::may_set(const char* function, const Scalar& s) {
-    if ((mode_ & (mode_instantiated | mode_initialization)) != 0 ? s.set_early : s.set_running) return true;
+    const unsigned wanted =
+        (mode_ & (mode_instantiated | mode_initialization)) != 0 ? trait_set_early : trait_set_running;
+    if ((s.traits & wanted) != 0) return true;
     error("%s: %s can not be set %s", function, s.variable->name,
-          s.set_early ? "after initialization" : "because the component computes it");
+          (s.traits & trait_set_early) != 0 ? "after initialization" : "because the component computes it");
     return false;
 }
 
@@ -405,21 +433,6 @@ bool Instance::in_range(const char* function, const Variable& v, std::uint32_t e
     return false;
 }
 
-/// Whether nothing needs a closer look: what an importer sets in its loop are finite values of plain inputs.
-template <Addressing A, class Value>
-bool Instance::all_plain(const std::uint32_t* vrs, std::size_t n, const Value* values, std::size_t n_values) const {
-    double zero = 0.0;
-    std::size_t done = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-        if (vrs[i] >= n_scalars_ || !scalars_[vrs[i]].plain_input || type_of(Value{}) != Type::float64) return false;
-        const std::uint32_t count = count_of<A>(scalars_[vrs[i]]);
-        if (count == 0 || done + count > n_values) return false;
-        for (std::uint32_t e = 0; e < count; ++e) zero += 0.0 * static_cast<double>(values[done + e]);
-        done += count;
-    }
-    return done == n_values && zero == 0.0;
-}
-
 template <Addressing A, class Value>
 Status Instance::check_values(const char* function, const std::uint32_t* vrs, std::size_t n, const Value* values,
                               std::size_t n_values) {
@@ -428,7 +441,7 @@ Status Instance::check_values(const char* function, const std::uint32_t* vrs, st
         const Scalar* s = find<A>(function, vrs[i]);
         if (s == nullptr) return Status::error;
         const Variable& v = *s->variable;
-        if (s->type != type_of(Value{})) return error("%s: %s has another type", function, v.name);
+        if (v.type != type_of(Value{})) return error("%s: %s has another type", function, v.name);
         if (!may_set(function, *s)) return Status::error;
         const std::uint32_t count = count_of<A>(*s);
         if (done + count > n_values) return error("%s: %zu values given, more expected", function, n_values);
@@ -443,24 +456,33 @@ Status Instance::check_values(const char* function, const std::uint32_t* vrs, st
 template <Addressing A, class Value>
 Status Instance::set_values(const char* function, const std::uint32_t* vrs, std::size_t n, const Value* values,
                             std::size_t n_values) {
-    const bool plain = all_plain<A>(vrs, n, values, n_values);
+    // What an importer sets in its loop are finite values of plain inputs: nothing else needs a closer look.
+    unsigned traits = 0;
+    const bool plain = type_of(Value{}) == Type::float64 && scan<A>(vrs, n, n_values, &traits) &&
+                       (traits & trait_not_plain) == 0 && all_finite(values, n_values);
     if (!plain) {  // all values are checked before the first one is stored
         const Status status = check_values<A>(function, vrs, n, values, n_values);
         if (status != Status::ok) return status;
         parameters_checked_ = false;
     }
+    const Scalar* scalars = scalars_;
     for (std::size_t i = 0; i < n; ++i) {
-        const Scalar& s = scalars_[vrs[i]];
-        const std::uint32_t count = count_of<A>(s);
+        const Scalar& s = scalars[vrs[i]];
         auto* to = static_cast<Value*>(s.data);
-        for (std::uint32_t e = 0; e < count; ++e) to[e] = *values++;
-        inputs_checked_ = inputs_checked_ && !s.checked_input;
+        for (std::uint32_t e = 0; e < count_of<A>(s); ++e) to[e] = *values++;
     }
+    // scan() may have given up before the end, but then everything is to be checked again
+    inputs_checked_ = inputs_checked_ && plain && (traits & trait_checked) == 0;
     outputs_fresh_ = derivatives_fresh_ = false;
     return Status::ok;
 }
 
 // --------------------------------------------------------------------------------------------------- evaluation
+
+Status Instance::check_again() {
+    const Status status = check_parameters();
+    return status == Status::ok ? check_inputs() : status;
+}
 
 Status Instance::check_parameters() {
     if (parameters_checked_) return Status::ok;
@@ -502,32 +524,47 @@ Status Instance::check_inputs() {
     return Status::ok;
 }
 
-Status Instance::finite(double* const* values, std::size_t n, const char* what) {
-    double zero = 0.0;
-    for (std::size_t i = 0; i < n; ++i) zero += 0.0 * *values[i];  // NaN once any value is not finite
-    if (zero == 0.0) return Status::ok;
+/// The error for the first value that is not finite among the variables concerned.
+Status Instance::not_finite(const char* what, bool (*concerned)(const Variable&)) {
     for (const Variable& v : table()) {
-        for (std::uint32_t e = 0; v.type == Type::float64 && e < v.size; ++e) {
-            for (std::size_t i = 0; i < n; ++i) {
-                if (values[i] != floats(v) + e || std::isfinite(*values[i])) continue;
-                char name[128];
-                element_name(v, e, name, sizeof name);
-                return error("at t = %g: %s %s is %g", time_, what, name, *values[i]);
-            }
+        if (v.type != Type::float64 || !concerned(v)) continue;
+        for (std::uint32_t e = 0; e < v.size; ++e) {
+            if (std::isfinite(floats(v)[e])) continue;
+            char name[128];
+            element_name(v, e, name, sizeof name);
+            return error("at t = %g: %s %s is %g", time_, what, name, floats(v)[e]);
         }
     }
     return Status::error;
 }
 
+// 0 * x is 0 for finite x only, else NaN, and a sum stays so.
+Status Instance::finite_states() {
+    double zero = 0.0;
+    for (std::size_t i = 0; i < n_states_; ++i) zero += 0.0 * *states_[i].x;
+    return zero == 0.0 ? Status::ok : not_finite("state", [](const Variable& v) { return v.role == Role::state; });
+}
+Status Instance::finite_rates() {
+    double zero = 0.0;
+    for (std::size_t i = 0; i < n_states_; ++i) zero += 0.0 * *states_[i].rate;
+    return zero == 0.0 ? Status::ok
+                       : not_finite("derivative of", [](const Variable& v) { return v.role == Role::derivative; });
+}
+Status Instance::finite_outputs() {
+    double zero = 0.0;
+    for (std::size_t i = 0; i < n_outputs_; ++i) zero += 0.0 * *outputs_[i];
+    return zero == 0.0 ? Status::ok
+                       : not_finite("output", [](const Variable& v) { return v.causality == Causality::output; });
+}
+
 Status Instance::evaluate() {
     if (outputs_fresh_) return Status::ok;
-    if (Status status = check_parameters(); status != Status::ok) return status;
-    if (Status status = check_inputs(); status != Status::ok) return status;
+    if (Status status = check(); status != Status::ok) return status;
     if (at_sample_) take_sample();
     model_->outputs();
     outputs_fresh_ = true;
     derivatives_fresh_ = false;
-    const Status status = finite(outputs_ptr_, n_outputs_, "output");
+    const Status status = finite_outputs();
     outputs_fresh_ = status == Status::ok;
     return status;
 }
@@ -536,7 +573,7 @@ Status Instance::evaluate_derivatives() {
     if (Status status = evaluate(); status != Status::ok) return status;
     if (derivatives_fresh_) return Status::ok;
     model_->derivatives();
-    const Status status = finite(rates_ptr_, n_states_, "derivative of");
+    const Status status = finite_rates();
     derivatives_fresh_ = status == Status::ok;
     return status;
 }
@@ -548,15 +585,15 @@ void Instance::move_to(double time) {
 }
 
 void Instance::read_states(double* x) const {
-    for (std::size_t i = 0; i < n_states_; ++i) x[i] = *states_ptr_[i];
+    for (std::size_t i = 0; i < n_states_; ++i) x[i] = *states_[i].x;
 }
 
 void Instance::read_rates(double* xdot) const {
-    for (std::size_t i = 0; i < n_states_; ++i) xdot[i] = *rates_ptr_[i];
+    for (std::size_t i = 0; i < n_states_; ++i) xdot[i] = *states_[i].rate;
 }
 
 void Instance::write_states(const double* x) {
-    for (std::size_t i = 0; i < n_states_; ++i) *states_ptr_[i] = x[i];
+    for (std::size_t i = 0; i < n_states_; ++i) *states_[i].x = x[i];
     outputs_fresh_ = derivatives_fresh_ = false;
 }
 
@@ -594,12 +631,6 @@ void Instance::commit_sample() {
 
 // ------------------------------------------------------------------------------------------------- Co-Simulation
 
-void Instance::rates(double time) {
-    *clock_time_ = time;
-    model_->outputs();
-    model_->derivatives();
-}
-
 void Instance::normalise_states() {
     for (std::size_t i = 0; i < n_unit_states_; ++i) normalise(*unit_states_[i]);
 }
@@ -607,30 +638,11 @@ void Instance::normalise_states() {
 /// Classical Runge-Kutta of order 4 in equal steps not longer than max_internal_step, quaternions renormalised.
 void Instance::integrate(double from, double to) {
     if (n_states_ != 0 && to > from) {
-        double* x0 = work_;
-        double* sum = work_ + n_states_;
-        const double steps = std::fmax(1.0, std::ceil((to - from) / *max_internal_step_ - 1e-9));
+        const double ratio = (to - from) / *max_internal_step_ - 1e-9;
+        const double steps = ratio > 1.0 ? std::ceil(ratio) : 1.0;
         const double h = (to - from) / steps;
-        /// Adds the rates to the sum and sets the states to x0 + advance * rates.
-        const auto stage = [&](double time, double weight, double advance) {
-            rates(time);
-            for (std::size_t j = 0; j < n_states_; ++j) {
-                const double k = *rates_ptr_[j];
-                sum[j] += weight * k;
-                *states_ptr_[j] = x0[j] + advance * k;
-            }
-        };
         for (double i = 0.0; i < steps; ++i) {
-            const double t = from + i * h;
-            for (std::size_t j = 0; j < n_states_; ++j) {
-                x0[j] = *states_ptr_[j];
-                sum[j] = 0.0;
-            }
-            stage(t, 1.0, 0.5 * h);
-            stage(t + 0.5 * h, 2.0, 0.5 * h);
-            stage(t + 0.5 * h, 2.0, h);
-            rates(t + h);
-            for (std::size_t j = 0; j < n_states_; ++j) *states_ptr_[j] = x0[j] + h / 6.0 * (sum[j] + *rates_ptr_[j]);
+            model_->integrate(from + i * h, h);
             normalise_states();
         }
     }
@@ -647,8 +659,7 @@ Status Instance::do_step(double time, double step) {
     if (stop_defined_ && end > stop_time_ + 1e-9 * (step + std::fabs(stop_time_))) {
         return error("step to t = %.17g refused: the stop time is %.17g", end, stop_time_);
     }
-    if (Status status = check_parameters(); status != Status::ok) return status;
-    if (Status status = check_inputs(); status != Status::ok) return status;
+    if (Status status = check(); status != Status::ok) return status;
     if (at_sample_) {
         if (Status status = evaluate(); status != Status::ok) return status;
         commit_sample();
@@ -663,7 +674,7 @@ Status Instance::do_step(double time, double step) {
     }
     integrate(from, end);
     at_sample_ = sample_due(end);
-    return finite(states_ptr_, n_states_, "state");
+    return finite_states();
 }
 
 // ------------------------------------------------------------------------------------------------ Model Exchange

@@ -106,19 +106,29 @@ private:
 
     void message(Status status, const char* category, const char* format, std::va_list arguments);
     void event(const char* format, ...) __attribute__((format(printf, 2, 3)));
+    /// Properties of a value reference as bits, so that a loop over many can gather what any of them has.
+    enum Trait : unsigned {
+        trait_float64 = 1,
+        trait_int32 = 2,
+        trait_computed = 4,      ///< an output or local
+        trait_rate = 8,          ///< a state derivative
+        trait_set_early = 16,    ///< may be set until initialization is over
+        trait_set_running = 32,  ///< may be set afterwards
+        trait_not_plain = 64,  ///< not a float64 input without bounds, to which any finite value may be set at any time
+        trait_checked = 128,   ///< input with a condition on the whole array
+    };
+    static constexpr unsigned trait_of(Type type) { return type == Type::float64 ? trait_float64 : trait_int32; }
     /// What the hot path needs of one value reference.
     struct Scalar {
-        const Variable* variable;
         void* data;
+        const Variable* variable;
         std::uint32_t array_size;  ///< elements of the array that starts here; 0 inside an array
-        Type type;
-        bool computed;  ///< an output or local
-        bool rate;      ///< a state derivative
-        bool bounded;
-        bool set_early;      ///< may be set until initialization is over
-        bool set_running;    ///< may be set afterwards
-        bool plain_input;    ///< float64 input without bounds: any finite value may be set at any time
-        bool checked_input;  ///< input with a condition on the whole array
+        unsigned traits;
+    };
+    /// A scalar continuous state and its derivative.
+    struct State {
+        double* x;
+        const double* rate;
     };
 
     // Templated on the addressing so that the loops over scalars have no inner loop.
@@ -128,8 +138,10 @@ private:
     }
     template <Addressing A>
     const Scalar* find(const char* function, std::uint32_t vr);
+    template <Addressing A>
+    bool scan(const std::uint32_t* vrs, std::size_t n, std::size_t n_values, unsigned* traits) const;
     template <Addressing A, class Value>
-    bool all_plain(const std::uint32_t* vrs, std::size_t n, const Value* values, std::size_t n_values) const;
+    Status check_references(const char* function, const std::uint32_t* vrs, std::size_t n, std::size_t n_values);
     template <Addressing A, class Value>
     Status check_values(const char* function, const std::uint32_t* vrs, std::size_t n, const Value* values,
                         std::size_t n_values);
@@ -145,6 +157,9 @@ private:
     Status expand(const char* function, const std::uint32_t* vrs, std::size_t n, Directional* scalars,
                   std::size_t n_scalars);
 
+    /// Parameters and inputs make sense; looks at them again only after they were set.
+    Status check() { return parameters_checked_ && inputs_checked_ ? Status::ok : check_again(); }
+    Status check_again();
     Status check_parameters();
     Status check_inputs();
     Status evaluate();
@@ -162,8 +177,10 @@ private:
     void write_states(const double* x);
     void read_states(double* x) const;
     void read_rates(double* xdot) const;
-    void rates(double time);
-    Status finite(double* const* values, std::size_t n, const char* what);
+    Status finite_states();
+    Status finite_rates();
+    Status finite_outputs();
+    Status not_finite(const char* what, bool (*concerned)(const Variable&));
 
     char name_[128];
     Interface interface_;
@@ -176,12 +193,10 @@ private:
     Scalar* scalars_;  ///< by FMI 2 value reference
     std::uint32_t n_scalars_;
     Directional* directional_;
-    double** states_ptr_;
-    double** rates_ptr_;
-    double** outputs_ptr_;
+    State* states_;
+    const double** outputs_;
     const Variable** unit_inputs_;  ///< inputs that must be unit quaternions
     const Variable** unit_states_;
-    double* work_;        ///< states at the start of an integrator step, and the weighted sum of its rates
     double* held_;        ///< held values before the pending sample
     double* clock_time_;  ///< time as the component sees it
     const double* max_internal_step_ = nullptr;

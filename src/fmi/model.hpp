@@ -29,6 +29,8 @@ public:
     virtual void outputs() = 0;
     /// State derivatives; outputs() has been called for the same time, states and inputs.
     virtual void derivatives() = 0;
+    /// One step h of the classical Runge-Kutta method of order 4. Outputs and derivatives belong to no time after it.
+    virtual void integrate(double time, double h) = 0;
     /// The k-th sample: sets what is declared as held.
     virtual void sample(std::int64_t k) = 0;
     virtual SampleTimes sample_times() const = 0;
@@ -70,6 +72,73 @@ constexpr bool is_differentiable = true;
 template <class C>
 constexpr bool is_differentiable<C, std::void_t<decltype(C::differentiable)>> = C::differentiable;
 
+/// Visitors of declare() that pass over everything but what they are for. The compiler sees through them: what remains
+/// of an integrator step is what one would write by hand for this component.
+struct Ignore {
+    struct Refine {
+        Refine above(double) { return {}; }
+        Refine at_least(double) { return {}; }
+        Refine at_most(double) { return {}; }
+        Refine nominal(double) { return {}; }
+        Refine fixed() { return {}; }
+        Refine unit_quaternion() { return {}; }
+        Refine inertia() { return {}; }
+    };
+    template <class... Any>
+    void time(Any&&...) {}
+    template <class... Any>
+    Refine input(Any&&...) {
+        return {};
+    }
+    template <class... Any>
+    Refine output(Any&&...) {
+        return {};
+    }
+    template <class... Any>
+    Refine parameter(Any&&...) {
+        return {};
+    }
+    template <class... Any>
+    Refine state(Any&&...) {
+        return {};
+    }
+    template <class... Any>
+    Refine held(Any&&...) {
+        return {};
+    }
+};
+
+/// Sets the time as the component sees it.
+template <class T>
+struct SetTime : Ignore {
+    explicit SetTime(double now) : now_(now) {}
+    void time(T& t) { t = now_; }
+
+private:
+    double now_;
+};
+
+/// Calls action(x, xDot, i) for the i-th scalar continuous state.
+template <class T, class Action>
+struct EachState : Ignore {
+    explicit EachState(const Action& action) : action_(action) {}
+    template <class X>
+    Refine state(const char*, X& x, X& xDot, const Unit&, const char*) {
+        if constexpr (std::is_same_v<X, T>) {
+            action_(x, xDot, n_++);
+        } else {
+            for (int e = 0; e < static_cast<int>(X::SizeAtCompileTime); ++e) {
+                action_(x.data()[e], xDot.data()[e], n_++);
+            }
+        }
+        return {};
+    }
+
+private:
+    const Action& action_;
+    int n_ = 0;
+};
+
 /// A component together with its table and what every component has: time, and the step of its integrator.
 template <template <class> class C, class T>
 class Bound {
@@ -104,6 +173,35 @@ public:
     void derivatives() {
         if constexpr (has_derivatives<C<T>>) component.derivatives();
     }
+    /// Flat and on a copy of the component, so that the compiler drops outputs that no derivative depends on.
+    __attribute__((flatten)) void integrate([[maybe_unused]] double time, [[maybe_unused]] double h) {
+        if constexpr (has_outputs<C<T>> || has_derivatives<C<T>>) {
+            C<T> c = component;
+            T start[Table::scalar_capacity], sum[Table::scalar_capacity];  // of which the states take the beginning
+            each_state(c, [&](const T& x, const T&, int j) {
+                start[j] = x;
+                sum[j] = 0.0;
+            });
+            const struct {
+                double time, weight, advance;
+            } stages[] = {
+                {time, 1.0, 0.5 * h}, {time + 0.5 * h, 2.0, 0.5 * h}, {time + 0.5 * h, 2.0, h}, {time + h, 1.0, 0.0}};
+            for (const auto& stage : stages) {
+                SetTime<T> set_time(stage.time);
+                c.declare(set_time);
+                if constexpr (has_outputs<C<T>>) c.outputs();
+                if constexpr (has_derivatives<C<T>>) c.derivatives();
+                each_state(c, [&](T& x, const T& k, int j) {
+                    sum[j] += stage.weight * k;
+                    x = start[j] + stage.advance * k;
+                });
+            }
+            each_state(c, [&](T& x, const T&, int j) { x = start[j] + h / 6.0 * sum[j]; });
+            T end[Table::scalar_capacity];
+            each_state(c, [&](const T& x, const T&, int j) { end[j] = x; });
+            each_state(component, [&](T& x, const T&, int j) { x = end[j]; });
+        }
+    }
     void sample([[maybe_unused]] std::int64_t k) {
         if constexpr (has_sample<C<T>>) component.sample(k);
     }
@@ -111,6 +209,11 @@ public:
     C<T> component{};
 
 private:
+    template <class Action>
+    static void each_state(C<T>& c, const Action& action) {
+        EachState<T, Action> visitor(action);
+        c.declare(visitor);
+    }
     T own_time_ = 0.0;
     T max_internal_step_ = 0.01;
 };
@@ -155,6 +258,7 @@ public:
     void reset() override { bound_.reset(); }
     void outputs() override { bound_.outputs(); }
     void derivatives() override { bound_.derivatives(); }
+    void integrate(double time, double h) override { bound_.integrate(time, h); }
     void sample(std::int64_t k) override { bound_.sample(k); }
     SampleTimes sample_times() const override {
         if constexpr (detail::has_sample<C<double>>) {

@@ -97,12 +97,14 @@ def info_command(name: Annotated[str, typer.Argument(help="A component.")], as_j
     _out.print(f"[bold]{description.name}[/bold] ({component.kind}): {description.description}")
     if description.reference:
         _out.print(f"[dim]{description.reference}[/dim]")
-    table = Table("Variable", "Causality", "Size", "Unit", "Start", "Min", "Max", "Description")
+    table = Table()
+    table.add_column("Variable", min_width=max(len(v.name) for v in description.variables))  # names are never cut
+    for header in ("Causality", "Size", "Unit", "Start", "Bounds", "Description"):
+        table.add_column(header)
     for v in description.variables:
         if v.causality != "independent":
             size = " x ".join(map(str, v.shape))
-            bounds = ["" if bound is None else f"{bound:g}" for bound in (v.min, v.max)]
-            table.add_row(v.name, v.causality, size, v.unit or "", _start(v), *bounds, v.description)
+            table.add_row(v.name, v.causality, size, v.unit or "", _start(v), v.bounds, v.description)
     _out.print(table)
 
 

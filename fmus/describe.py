@@ -62,11 +62,26 @@ class Variable:
     """For each element the scalar value references it depends on during the run."""
     initial_dependencies: tuple[tuple[int, ...], ...] | None
     """The same during initialisation."""
+    min_excluded: bool = False
+    """Whether `min` itself is refused, which the XML of neither standard can say."""
 
     @property
     def size(self) -> int:
         """Number of elements."""
         return math.prod(self.shape)
+
+    @property
+    def bounds(self) -> str:
+        """The range of values in a few characters: `> 0`, `≤ 1.57`, `0 … 1`, empty if there is none."""
+        match (self.min, self.max):
+            case (None, None):
+                return ""
+            case (low, None):
+                return f"{'>' if self.min_excluded else '≥'} {low:g}"
+            case (None, high):
+                return f"≤ {high:g}"
+            case (low, high):
+                return f"{low:g} … {high:g}"
 
     @property
     def element_names(self) -> list[str]:

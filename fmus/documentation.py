@@ -36,7 +36,6 @@ def page(component: Component, description: Description) -> str:
         text=Markup(html(component.text)),
         groups={title: variables for title, variables in groups.items() if variables},
         start=_start,
-        bounds=_bounds,
         version=version(),
     )
 
@@ -65,15 +64,3 @@ def _start(v: Variable) -> str:
     width = v.shape[-1]
     rows = [", ".join(values[at : at + width]) for at in range(0, len(values), width)]
     return f"[{'; '.join(rows)}]"
-
-
-def _bounds(v: Variable) -> str:
-    match (v.min, v.max):
-        case (None, None):
-            return ""
-        case (low, None):
-            return f"≥ {low:g}"
-        case (None, high):
-            return f"≤ {high:g}"
-        case (low, high):
-            return f"{low:g} … {high:g}"

@@ -131,6 +131,8 @@ void print_variable(const Table& table, const Dependencies& found, const Variabl
     print_key("start");
     print_start(v);
     print_field("min", std::fmax(v.above, v.min));
+    print_key("min_excluded");
+    std::printf(std::isfinite(v.above) ? "true" : "false");
     print_field("max", v.max);
     print_field("nominal", v.nominal == 1.0 ? std::nan("") : v.nominal);
     std::snprintf(text, sizeof text, "time derivative of %s", v.name);

@@ -12,7 +12,7 @@ SOURCES_CXX = $(shell git ls-files '*.hpp' '*.cpp' 'orchestration/engine/*.c' 'o
 
 help:
 	@sed -n 's/^# \{0,1\}//p' Makefile | head -3
-	@echo "make lint | format | fmus (all platforms) | check | sanitize | bench | lock | clean"
+	@echo "make lint (needs a C++ compiler) | format | fmus (all platforms) | check | sanitize (needs a C++ compiler) | bench | lock | clean"
 
 $(VENV)/installed: requirements/run.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed, this is " + sys.version.split()[0] + "; try: make PYTHON=python3.12" if sys.version_info < (3, 11) else 0)'
@@ -31,7 +31,7 @@ demo: $(VENV)/installed
 
 test: $(VENV)/installed-dev
 	$(BIN)/adcs build
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist loadfile
 
 fmus: $(VENV)/installed
 	$(BIN)/adcs build --all-platforms

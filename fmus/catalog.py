@@ -67,7 +67,9 @@ def find(name: str) -> Component:
 def _read(header: Path, kind: str) -> Component | None:
     name = "".join(word.capitalize() for word in header.stem.split("_"))
     code = header.read_text(encoding="utf-8")
-    if not re.search(rf"\bstruct {name}\b", code) or "declare(" not in code:
+    if "declare(" not in code:
         return None  # shared between components
+    if not re.search(rf"\bstruct {name}\b", code):
+        raise AdcsError(f"{header}: there is no `struct {name}`; a component's struct has its file's name in CamelCase")
     summary = re.search(r'\bsummary\s*=\s*"([^"]*)"', code)
     return Component(name, kind, header, summary[1] if summary else "")

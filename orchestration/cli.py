@@ -28,6 +28,8 @@ from orchestration.system import System
 from orchestration.values import parse_value
 from studies.registry import SYSTEMS, SystemEntry
 
+_REPORT_FILES = ("report.html", "report.png")
+
 app = typer.Typer(
     help="Spacecraft attitude control as native FMI components: build them, wire them, run them.",
     no_args_is_help=True,
@@ -77,6 +79,8 @@ def run(
     folder = out or Path("results") / system
     folder.mkdir(parents=True, exist_ok=True)  # refused now, rather than after the run
     with _progress() as progress:
+        for name in _REPORT_FILES:  # those of an earlier run would not belong to the other files
+            (folder / name).unlink(missing_ok=True)
         task = progress.add_task(system, total=1.0)
         stopped: RunFailed | RunInterrupted | None = None
         try:
@@ -146,7 +150,7 @@ def _write(result: Result, folder: Path) -> list[Path]:
 
 def _write_report(entry: SystemEntry, result: Result, numbers: Sequence[report.KeyNumber], folder: Path) -> list[Path]:
     panels = entry.figures(result)
-    files = [folder / "report.html", folder / "report.png"]
+    files = [folder / name for name in _REPORT_FILES]
     report.write(
         files[0],
         entry.name,
@@ -188,7 +192,7 @@ def _show(result: Result, numbers: Sequence[report.KeyNumber], files: Sequence[P
     if timing.get("simulated_s_per_cpu_s"):
         console.print(
             f"{timing['simulated_s']:g} s in {timing['cpu_s']:.3g} s of CPU time, "
-            f"{timing['simulated_s_per_cpu_s']:.3g} times faster than real time"
+            f"{timing['simulated_s_per_cpu_s']:,.0f} times faster than real time"
         )
     for file in files:
         console.print(str(file), soft_wrap=True, highlight=False)

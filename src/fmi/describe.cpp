@@ -2,6 +2,7 @@
 // goes and needs nothing of the C++ runtime library, which would take longer to build than all components together.
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 
 #include "fmi/instance.hpp"
@@ -188,8 +189,16 @@ int main() {
         std::fprintf(stderr, "%s: too many variables\n", model->name());
         return 1;
     }
+    for (const Variable& v : table) {
+        for (const Variable* other = &v + 1; other != table.end(); ++other) {
+            if (v.role == Role::derivative || other->role == Role::derivative) continue;  // goes by the state's name
+            if (std::strcmp(v.name, other->name) != 0) continue;
+            std::fprintf(stderr, "%s: variable %s is declared twice\n", model->name(), v.name);
+            return 1;
+        }
+    }
     const Description description = describe_model();
-    char token[40];
+    char token[40]{};
     make_token(*model, token);
 
     std::printf("{\"name\": ");

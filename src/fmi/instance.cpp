@@ -130,7 +130,7 @@ Instance* Instance::create(const char* name, const char* token, Interface interf
         return nullptr;
     }
     auto* instance = new (memory) Instance(name == nullptr ? "" : name, interface, log, model);
-    char expected[40];
+    char expected[40]{};
     make_token(*model, expected);
     bool good = instance->memory_ != nullptr;
     if (token == nullptr || std::strcmp(token, expected) != 0) {
@@ -805,7 +805,7 @@ namespace {
 struct Header {
     std::uint32_t magic;
     std::uint32_t size;
-    char token[40];
+    char token[40]{};
     double time, stop_time;
     SampleTimes clock;
     std::int64_t next_sample;
@@ -865,7 +865,7 @@ Status Instance::deserialize(const char* function, const void* bytes, std::size_
 
 Status Instance::restore(const char* function, const std::byte* bytes, std::size_t size) {
     Header header;
-    char token[40];
+    char token[40]{};
     make_token(*model_, token);
     if (bytes == nullptr || size < sizeof header) return error("%s: %zu bytes are not a saved state", function, size);
     std::memcpy(&header, bytes, sizeof header);

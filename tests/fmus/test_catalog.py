@@ -25,7 +25,15 @@ def test_a_name_that_is_nearly_right_gets_a_hint():
         catalog.find("Rigidbody")
 
 
-def test_only_headers_that_declare_the_struct_of_their_name_count(tmp_path, monkeypatch):
+def test_a_struct_must_have_the_name_of_its_file(tmp_path, monkeypatch):
+    monkeypatch.setattr(catalog, "SOURCES", tmp_path)
+    (tmp_path / "sensors").mkdir()
+    (tmp_path / "sensors" / "sun_sensor.hpp").write_text("struct Sunsensor { declare(v) };")
+    with pytest.raises(AdcsError, match=r"sun_sensor.hpp: there is no `struct SunSensor`"):
+        catalog.components()
+
+
+def test_headers_that_declare_nothing_are_shared_between_components(tmp_path, monkeypatch):
     monkeypatch.setattr(catalog, "SOURCES", tmp_path)
     folder = tmp_path / "sensors"
     folder.mkdir()
@@ -33,7 +41,6 @@ def test_only_headers_that_declare_the_struct_of_their_name_count(tmp_path, monk
         '/// # Sun\n///\n///   $x$\n\nstruct SunSensor { summary = "sees"; declare(v) };'
     )
     (folder / "noise.hpp").write_text("struct Noise { int shared; };")
-    (folder / "gyro.hpp").write_text("struct Other { declare(v) };")
 
     (found,) = catalog.components()
 

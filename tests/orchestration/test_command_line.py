@@ -108,6 +108,12 @@ def test_errors_are_one_line(tmp_path, capsys, arguments, code, message):
     assert "Traceback" not in err
 
 
+def test_a_failed_run_leaves_no_report_of_an_earlier_one(tmp_path):
+    (tmp_path / "report.html").write_text("old")
+    assert adcs("run", "observer-pd", "--set", "plant.J_B=[[1,2,3],[0,1,0],[0,0,1]]", "--out", tmp_path) == 1
+    assert not (tmp_path / "report.html").exists()
+
+
 @pytest.mark.parametrize("arguments", [("--fmi", "4"), ("--step", "fast"), ("--nonsense",)])
 def test_usage_errors_exit_with_2(arguments):
     assert adcs("run", "observer-pd", *arguments) == 2

@@ -1,9 +1,8 @@
 // FMI 2.0: the C functions, each a thin step onto Instance.
 #include <cstdlib>
 #include <cstring>
-#include <new>
 
-#include "fmi/instance.hpp"
+#include "fmi/entry.hpp"
 #include "fmi2Functions.h"
 
 namespace {
@@ -11,9 +10,9 @@ namespace {
 using namespace adcs;
 
 struct Component {
+    Handle handle;
     fmi2CallbackFunctions callbacks;
     char name[128];
-    Instance* instance;
 };
 
 void write_log(void* context, Status status, const char* category, const char* message) {
@@ -27,35 +26,6 @@ void write_log(void* context, Status status, const char* category, const char* m
 fmi2Status to_fmi(Status status) { return static_cast<fmi2Status>(status); }
 std::byte* bytes_of(fmi2FMUstate state) { return static_cast<std::byte*>(state); }
 
-/// The instance if the function may be called now, else nullptr (and the log says so).
-Instance* enter(fmi2Component c, unsigned modes, const char* function) {
-    if (c == nullptr) return nullptr;
-    Instance* instance = static_cast<Component*>(c)->instance;
-    return instance->allowed(modes, function) ? instance : nullptr;
-}
-
-Instance* enter(fmi2Component c, unsigned modes, Interface interface, const char* function) {
-    Instance* instance = enter(c, modes, function);
-    if (instance == nullptr || instance->interface() == interface) return instance;
-    instance->error("%s does not belong to the interface type of this instance", function);
-    return nullptr;
-}
-
-constexpr unsigned any_mode = mode_instantiated | mode_readable;
-constexpr unsigned settable = mode_instantiated | mode_initialization | mode_running;
-
-fmi2Status none_of_type(fmi2Component c, const char* function, std::size_t n, const fmi2ValueReference vr[]) {
-    Instance* instance = enter(c, any_mode, function);
-    if (instance == nullptr) return fmi2Error;
-    return n == 0 ? fmi2OK : to_fmi(instance->error("%s: value reference %u has another type", function, vr[0]));
-}
-
-fmi2Status not_supported(fmi2Component c, const char* function) {
-    Instance* instance = enter(c, any_mode, function);
-    return instance == nullptr ? fmi2Error
-                               : to_fmi(instance->error("%s is not supported, see the capability flags", function));
-}
-
 }  // namespace
 
 extern "C" {
@@ -64,7 +34,7 @@ const char* fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
 const char* fmi2GetVersion(void) { return fmi2Version; }
 
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
-    Instance* instance = enter(c, any_mode, "fmi2SetDebugLogging");
+    Instance* instance = enter(c, mode_any, "fmi2SetDebugLogging");
     return instance == nullptr ? fmi2Error : to_fmi(instance->set_debug_logging(on != fmi2False, n, categories));
 }
 
@@ -75,20 +45,20 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     if (component == nullptr) return nullptr;
     component->callbacks = *functions;
     std::strncpy(component->name, name == nullptr ? "" : name, sizeof component->name - 1);
-    component->instance =
+    component->handle.instance =
         Instance::create(name, guid, type == fmi2ModelExchange ? Interface::model_exchange : Interface::co_simulation,
                          {write_log, component});
-    if (component->instance == nullptr) {
+    if (component->handle.instance == nullptr) {
         std::free(component);
         return nullptr;
     }
-    component->instance->set_debug_logging(logging != fmi2False, 0, nullptr);
+    component->handle.instance->set_debug_logging(logging != fmi2False, 0, nullptr);
     return component;
 }
 
 void fmi2FreeInstance(fmi2Component c) {
     if (c == nullptr) return;
-    Instance::destroy(static_cast<Component*>(c)->instance);
+    Instance::destroy(static_cast<Handle*>(c)->instance);
     std::free(c);
 }
 
@@ -114,47 +84,47 @@ fmi2Status fmi2Terminate(fmi2Component c) {
 }
 
 fmi2Status fmi2Reset(fmi2Component c) {
-    Instance* instance = enter(c, any_mode, "fmi2Reset");
+    Instance* instance = enter(c, mode_any, "fmi2Reset");
     return instance == nullptr ? fmi2Error : to_fmi(instance->reset());
 }
 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real value[]) {
-    Instance* instance = enter(c, any_mode, "fmi2GetReal");
+    Instance* instance = enter(c, mode_any, "fmi2GetReal");
     return instance == nullptr ? fmi2Error : to_fmi(instance->get("fmi2GetReal", Addressing::scalars, vr, n, value, n));
 }
 fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Integer value[]) {
-    Instance* instance = enter(c, any_mode, "fmi2GetInteger");
+    Instance* instance = enter(c, mode_any, "fmi2GetInteger");
     return instance == nullptr ? fmi2Error
                                : to_fmi(instance->get("fmi2GetInteger", Addressing::scalars, vr, n, value, n));
 }
 fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Boolean[]) {
-    return none_of_type(c, "fmi2GetBoolean", n, vr);
+    return to_fmi(none_of_type(c, "fmi2GetBoolean", n, vr));
 }
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2String[]) {
-    return none_of_type(c, "fmi2GetString", n, vr);
+    return to_fmi(none_of_type(c, "fmi2GetString", n, vr));
 }
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real value[]) {
-    Instance* instance = enter(c, settable, "fmi2SetReal");
+    Instance* instance = enter(c, mode_settable, "fmi2SetReal");
     return instance == nullptr ? fmi2Error : to_fmi(instance->set("fmi2SetReal", Addressing::scalars, vr, n, value, n));
 }
 fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer value[]) {
-    Instance* instance = enter(c, settable, "fmi2SetInteger");
+    Instance* instance = enter(c, mode_settable, "fmi2SetInteger");
     return instance == nullptr ? fmi2Error
                                : to_fmi(instance->set("fmi2SetInteger", Addressing::scalars, vr, n, value, n));
 }
 fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Boolean[]) {
-    return none_of_type(c, "fmi2SetBoolean", n, vr);
+    return to_fmi(none_of_type(c, "fmi2SetBoolean", n, vr));
 }
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2String[]) {
-    return none_of_type(c, "fmi2SetString", n, vr);
+    return to_fmi(none_of_type(c, "fmi2SetString", n, vr));
 }
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate* state) {
-    Instance* instance = enter(c, any_mode, "fmi2GetFMUstate");
+    Instance* instance = enter(c, mode_any, "fmi2GetFMUstate");
     return instance == nullptr ? fmi2Error : to_fmi(instance->save_new(state));
 }
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
-    Instance* instance = enter(c, any_mode, "fmi2SetFMUstate");
+    Instance* instance = enter(c, mode_any, "fmi2SetFMUstate");
     return instance == nullptr ? fmi2Error
                                : to_fmi(instance->restore("fmi2SetFMUstate", bytes_of(state), instance->state_size()));
 }
@@ -165,18 +135,18 @@ fmi2Status fmi2FreeFMUstate(fmi2Component /*c*/, fmi2FMUstate* state) {
     return fmi2OK;
 }
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate /*state*/, size_t* size) {
-    Instance* instance = enter(c, any_mode, "fmi2SerializedFMUstateSize");
+    Instance* instance = enter(c, mode_any, "fmi2SerializedFMUstateSize");
     if (instance == nullptr) return fmi2Error;
     *size = instance->state_size();
     return fmi2OK;
 }
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
-    Instance* instance = enter(c, any_mode, "fmi2SerializeFMUstate");
+    Instance* instance = enter(c, mode_any, "fmi2SerializeFMUstate");
     return instance == nullptr ? fmi2Error
                                : to_fmi(instance->serialize("fmi2SerializeFMUstate", bytes_of(state), bytes, size));
 }
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate* state) {
-    Instance* instance = enter(c, any_mode, "fmi2DeSerializeFMUstate");
+    Instance* instance = enter(c, mode_any, "fmi2DeSerializeFMUstate");
     return instance == nullptr ? fmi2Error
                                : to_fmi(instance->deserialize("fmi2DeSerializeFMUstate", bytes, size, state));
 }
@@ -244,7 +214,7 @@ fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t n) {
     return instance == nullptr ? fmi2Error : to_fmi(instance->get_states(x, n));
 }
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real nominals[], size_t n) {
-    Instance* instance = enter(c, any_mode, Interface::model_exchange, "fmi2GetNominalsOfContinuousStates");
+    Instance* instance = enter(c, mode_any, Interface::model_exchange, "fmi2GetNominalsOfContinuousStates");
     return instance == nullptr ? fmi2Error : to_fmi(instance->get_nominals(nominals, n));
 }
 
@@ -256,31 +226,31 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
 }
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference[], size_t, const fmi2Integer[],
                                        const fmi2Real[]) {
-    return not_supported(c, "fmi2SetRealInputDerivatives");
+    return to_fmi(not_supported(c, "fmi2SetRealInputDerivatives"));
 }
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference[], size_t, const fmi2Integer[],
                                         fmi2Real[]) {
-    return not_supported(c, "fmi2GetRealOutputDerivatives");
+    return to_fmi(not_supported(c, "fmi2GetRealOutputDerivatives"));
 }
-fmi2Status fmi2CancelStep(fmi2Component c) { return not_supported(c, "fmi2CancelStep"); }
+fmi2Status fmi2CancelStep(fmi2Component c) { return to_fmi(not_supported(c, "fmi2CancelStep")); }
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind, fmi2Status*) {
-    return not_supported(c, "fmi2GetStatus");
+    return to_fmi(not_supported(c, "fmi2GetStatus"));
 }
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real* value) {
-    if (kind != fmi2LastSuccessfulTime) return not_supported(c, "fmi2GetRealStatus");
+    if (kind != fmi2LastSuccessfulTime) return to_fmi(not_supported(c, "fmi2GetRealStatus"));
     Instance* instance = enter(c, mode_step | mode_terminated, Interface::co_simulation, "fmi2GetRealStatus");
     if (instance == nullptr) return fmi2Error;
     *value = instance->time();
     return fmi2OK;
 }
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind, fmi2Integer*) {
-    return not_supported(c, "fmi2GetIntegerStatus");
+    return to_fmi(not_supported(c, "fmi2GetIntegerStatus"));
 }
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind, fmi2Boolean*) {
-    return not_supported(c, "fmi2GetBooleanStatus");
+    return to_fmi(not_supported(c, "fmi2GetBooleanStatus"));
 }
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind, fmi2String*) {
-    return not_supported(c, "fmi2GetStringStatus");
+    return to_fmi(not_supported(c, "fmi2GetStringStatus"));
 }
 
 }  // extern "C"

@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "fmi/instance.hpp"
+#include "fmi/entry.hpp"
 #include "fmi3Functions.h"
 
 namespace {
@@ -10,9 +10,9 @@ namespace {
 using namespace adcs;
 
 struct Component {
+    Handle handle;
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
-    Instance* instance;
 };
 
 void write_log(void* context, Status status, const char* category, const char* message) {
@@ -25,48 +25,19 @@ void write_log(void* context, Status status, const char* category, const char* m
 fmi3Status to_fmi(Status status) { return static_cast<fmi3Status>(status); }
 std::byte* bytes_of(fmi3FMUState state) { return static_cast<std::byte*>(state); }
 
-/// The instance if the function may be called now, else nullptr (and the log says so).
-Instance* enter(fmi3Instance i, unsigned modes, const char* function) {
-    if (i == nullptr) return nullptr;
-    Instance* instance = static_cast<Component*>(i)->instance;
-    return instance->allowed(modes, function) ? instance : nullptr;
-}
-
-Instance* enter(fmi3Instance i, unsigned modes, Interface interface, const char* function) {
-    Instance* instance = enter(i, modes, function);
-    if (instance == nullptr || instance->interface() == interface) return instance;
-    instance->error("%s does not belong to the interface type of this instance", function);
-    return nullptr;
-}
-
-constexpr unsigned any_mode = mode_instantiated | mode_readable;
-constexpr unsigned settable = mode_instantiated | mode_initialization | mode_running;
-
 fmi3Instance instantiate(Interface interface, fmi3String name, fmi3String token, fmi3Boolean logging,
                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback log) {
     auto* component = static_cast<Component*>(std::calloc(1, sizeof(Component)));
     if (component == nullptr) return nullptr;
     component->environment = environment;
     component->log = log;
-    component->instance = Instance::create(name, token, interface, {write_log, component});
-    if (component->instance == nullptr) {
+    component->handle.instance = Instance::create(name, token, interface, {write_log, component});
+    if (component->handle.instance == nullptr) {
         std::free(component);
         return nullptr;
     }
-    component->instance->set_debug_logging(logging, 0, nullptr);
+    component->handle.instance->set_debug_logging(logging, 0, nullptr);
     return component;
-}
-
-fmi3Status none_of_type(fmi3Instance i, const char* function, std::size_t n, const fmi3ValueReference vr[]) {
-    Instance* instance = enter(i, any_mode, function);
-    if (instance == nullptr) return fmi3Error;
-    return n == 0 ? fmi3OK : to_fmi(instance->error("%s: value reference %u has another type", function, vr[0]));
-}
-
-fmi3Status not_supported(fmi3Instance i, const char* function) {
-    Instance* instance = enter(i, any_mode, function);
-    return instance == nullptr ? fmi3Error
-                               : to_fmi(instance->error("%s is not supported, see the capability flags", function));
 }
 
 }  // namespace
@@ -76,7 +47,7 @@ extern "C" {
 const char* fmi3GetVersion(void) { return fmi3Version; }
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance i, fmi3Boolean on, size_t n, const fmi3String categories[]) {
-    Instance* instance = enter(i, any_mode, "fmi3SetDebugLogging");
+    Instance* instance = enter(i, mode_any, "fmi3SetDebugLogging");
     return instance == nullptr ? fmi3Error : to_fmi(instance->set_debug_logging(on, n, categories));
 }
 
@@ -104,7 +75,7 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String, fmi3String, fmi3Strin
 
 void fmi3FreeInstance(fmi3Instance i) {
     if (i == nullptr) return;
-    Instance::destroy(static_cast<Component*>(i)->instance);
+    Instance::destroy(static_cast<Handle*>(i)->instance);
     std::free(i);
 }
 
@@ -124,40 +95,40 @@ fmi3Status fmi3Terminate(fmi3Instance i) {
     return instance == nullptr ? fmi3Error : to_fmi(instance->terminate());
 }
 fmi3Status fmi3Reset(fmi3Instance i) {
-    Instance* instance = enter(i, any_mode, "fmi3Reset");
+    Instance* instance = enter(i, mode_any, "fmi3Reset");
     return instance == nullptr ? fmi3Error : to_fmi(instance->reset());
 }
 
 fmi3Status fmi3GetFloat64(fmi3Instance i, const fmi3ValueReference vr[], size_t n, fmi3Float64 values[],
                           size_t n_values) {
-    Instance* instance = enter(i, any_mode, "fmi3GetFloat64");
+    Instance* instance = enter(i, mode_any, "fmi3GetFloat64");
     return instance == nullptr ? fmi3Error
                                : to_fmi(instance->get("fmi3GetFloat64", Addressing::arrays, vr, n, values, n_values));
 }
 fmi3Status fmi3SetFloat64(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const fmi3Float64 values[],
                           size_t n_values) {
-    Instance* instance = enter(i, settable, "fmi3SetFloat64");
+    Instance* instance = enter(i, mode_settable, "fmi3SetFloat64");
     return instance == nullptr ? fmi3Error
                                : to_fmi(instance->set("fmi3SetFloat64", Addressing::arrays, vr, n, values, n_values));
 }
 fmi3Status fmi3GetInt32(fmi3Instance i, const fmi3ValueReference vr[], size_t n, fmi3Int32 values[], size_t n_values) {
-    Instance* instance = enter(i, any_mode, "fmi3GetInt32");
+    Instance* instance = enter(i, mode_any, "fmi3GetInt32");
     return instance == nullptr ? fmi3Error
                                : to_fmi(instance->get("fmi3GetInt32", Addressing::arrays, vr, n, values, n_values));
 }
 fmi3Status fmi3SetInt32(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const fmi3Int32 values[],
                         size_t n_values) {
-    Instance* instance = enter(i, settable, "fmi3SetInt32");
+    Instance* instance = enter(i, mode_settable, "fmi3SetInt32");
     return instance == nullptr ? fmi3Error
                                : to_fmi(instance->set("fmi3SetInt32", Addressing::arrays, vr, n, values, n_values));
 }
 
 #define ADCS_NO_VARIABLES_OF(TYPE)                                                                                  \
     fmi3Status fmi3Get##TYPE(fmi3Instance i, const fmi3ValueReference vr[], size_t n, fmi3##TYPE[], size_t) {       \
-        return none_of_type(i, "fmi3Get" #TYPE, n, vr);                                                             \
+        return to_fmi(none_of_type(i, "fmi3Get" #TYPE, n, vr));                                                     \
     }                                                                                                               \
     fmi3Status fmi3Set##TYPE(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const fmi3##TYPE[], size_t) { \
-        return none_of_type(i, "fmi3Set" #TYPE, n, vr);                                                             \
+        return to_fmi(none_of_type(i, "fmi3Set" #TYPE, n, vr));                                                     \
     }
 ADCS_NO_VARIABLES_OF(Float32)
 ADCS_NO_VARIABLES_OF(Int8)
@@ -172,25 +143,25 @@ ADCS_NO_VARIABLES_OF(String)
 #undef ADCS_NO_VARIABLES_OF
 
 fmi3Status fmi3GetBinary(fmi3Instance i, const fmi3ValueReference vr[], size_t n, size_t[], fmi3Binary[], size_t) {
-    return none_of_type(i, "fmi3GetBinary", n, vr);
+    return to_fmi(none_of_type(i, "fmi3GetBinary", n, vr));
 }
 fmi3Status fmi3SetBinary(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const size_t[], const fmi3Binary[],
                          size_t) {
-    return none_of_type(i, "fmi3SetBinary", n, vr);
+    return to_fmi(none_of_type(i, "fmi3SetBinary", n, vr));
 }
 fmi3Status fmi3GetClock(fmi3Instance i, const fmi3ValueReference vr[], size_t n, fmi3Clock[]) {
-    return none_of_type(i, "fmi3GetClock", n, vr);
+    return to_fmi(none_of_type(i, "fmi3GetClock", n, vr));
 }
 fmi3Status fmi3SetClock(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const fmi3Clock[]) {
-    return none_of_type(i, "fmi3SetClock", n, vr);
+    return to_fmi(none_of_type(i, "fmi3SetClock", n, vr));
 }
 
 fmi3Status fmi3GetFMUState(fmi3Instance i, fmi3FMUState* state) {
-    Instance* instance = enter(i, any_mode, "fmi3GetFMUState");
+    Instance* instance = enter(i, mode_any, "fmi3GetFMUState");
     return instance == nullptr ? fmi3Error : to_fmi(instance->save_new(state));
 }
 fmi3Status fmi3SetFMUState(fmi3Instance i, fmi3FMUState state) {
-    Instance* instance = enter(i, any_mode, "fmi3SetFMUState");
+    Instance* instance = enter(i, mode_any, "fmi3SetFMUState");
     return instance == nullptr ? fmi3Error
                                : to_fmi(instance->restore("fmi3SetFMUState", bytes_of(state), instance->state_size()));
 }
@@ -201,18 +172,18 @@ fmi3Status fmi3FreeFMUState(fmi3Instance /*i*/, fmi3FMUState* state) {
     return fmi3OK;
 }
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance i, fmi3FMUState /*state*/, size_t* size) {
-    Instance* instance = enter(i, any_mode, "fmi3SerializedFMUStateSize");
+    Instance* instance = enter(i, mode_any, "fmi3SerializedFMUStateSize");
     if (instance == nullptr) return fmi3Error;
     *size = instance->state_size();
     return fmi3OK;
 }
 fmi3Status fmi3SerializeFMUState(fmi3Instance i, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
-    Instance* instance = enter(i, any_mode, "fmi3SerializeFMUState");
+    Instance* instance = enter(i, mode_any, "fmi3SerializeFMUState");
     return instance == nullptr ? fmi3Error
                                : to_fmi(instance->serialize("fmi3SerializeFMUState", bytes_of(state), bytes, size));
 }
 fmi3Status fmi3DeserializeFMUState(fmi3Instance i, const fmi3Byte bytes[], size_t size, fmi3FMUState* state) {
-    Instance* instance = enter(i, any_mode, "fmi3DeserializeFMUState");
+    Instance* instance = enter(i, mode_any, "fmi3DeserializeFMUState");
     return instance == nullptr ? fmi3Error
                                : to_fmi(instance->deserialize("fmi3DeserializeFMUState", bytes, size, state));
 }
@@ -228,22 +199,22 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance i, const fmi3ValueReference
 }
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance i, const fmi3ValueReference[], size_t, const fmi3ValueReference[],
                                     size_t, const fmi3Float64[], size_t, fmi3Float64[], size_t) {
-    return not_supported(i, "fmi3GetAdjointDerivative");
+    return to_fmi(not_supported(i, "fmi3GetAdjointDerivative"));
 }
 fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance i, fmi3ValueReference, size_t*) {
-    return not_supported(i, "fmi3GetNumberOfVariableDependencies");
+    return to_fmi(not_supported(i, "fmi3GetNumberOfVariableDependencies"));
 }
 fmi3Status fmi3GetVariableDependencies(fmi3Instance i, fmi3ValueReference, size_t[], fmi3ValueReference[], size_t[],
                                        fmi3DependencyKind[], size_t) {
-    return not_supported(i, "fmi3GetVariableDependencies");
+    return to_fmi(not_supported(i, "fmi3GetVariableDependencies"));
 }
 
-fmi3Status fmi3EnterConfigurationMode(fmi3Instance i) { return not_supported(i, "fmi3EnterConfigurationMode"); }
-fmi3Status fmi3ExitConfigurationMode(fmi3Instance i) { return not_supported(i, "fmi3ExitConfigurationMode"); }
+fmi3Status fmi3EnterConfigurationMode(fmi3Instance i) { return to_fmi(not_supported(i, "fmi3EnterConfigurationMode")); }
+fmi3Status fmi3ExitConfigurationMode(fmi3Instance i) { return to_fmi(not_supported(i, "fmi3ExitConfigurationMode")); }
 
 #define ADCS_NO_CLOCKS(FUNCTION, ...)                                                           \
     fmi3Status FUNCTION(fmi3Instance i, const fmi3ValueReference vr[], size_t n, __VA_ARGS__) { \
-        return none_of_type(i, #FUNCTION, n, vr);                                               \
+        return to_fmi(none_of_type(i, #FUNCTION, n, vr));                                       \
     }
 ADCS_NO_CLOCKS(fmi3GetIntervalDecimal, fmi3Float64[], fmi3IntervalQualifier[])
 ADCS_NO_CLOCKS(fmi3GetIntervalFraction, fmi3UInt64[], fmi3UInt64[], fmi3IntervalQualifier[])
@@ -310,16 +281,16 @@ fmi3Status fmi3GetContinuousStates(fmi3Instance i, fmi3Float64 x[], size_t n) {
     return instance == nullptr ? fmi3Error : to_fmi(instance->get_states(x, n));
 }
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance i, fmi3Float64 nominals[], size_t n) {
-    Instance* instance = enter(i, any_mode, Interface::model_exchange, "fmi3GetNominalsOfContinuousStates");
+    Instance* instance = enter(i, mode_any, Interface::model_exchange, "fmi3GetNominalsOfContinuousStates");
     return instance == nullptr ? fmi3Error : to_fmi(instance->get_nominals(nominals, n));
 }
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance i, size_t* n) {
-    if (enter(i, any_mode, "fmi3GetNumberOfEventIndicators") == nullptr) return fmi3Error;
+    if (enter(i, mode_any, "fmi3GetNumberOfEventIndicators") == nullptr) return fmi3Error;
     *n = 0;
     return fmi3OK;
 }
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance i, size_t* n) {
-    Instance* instance = enter(i, any_mode, "fmi3GetNumberOfContinuousStates");
+    Instance* instance = enter(i, mode_any, "fmi3GetNumberOfContinuousStates");
     if (instance == nullptr) return fmi3Error;
     *n = instance->states();
     return fmi3OK;
@@ -327,10 +298,10 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance i, size_t* n) {
 
 // ------------------------------------------------------------------------------------------------- Co-Simulation
 
-fmi3Status fmi3EnterStepMode(fmi3Instance i) { return not_supported(i, "fmi3EnterStepMode"); }
+fmi3Status fmi3EnterStepMode(fmi3Instance i) { return to_fmi(not_supported(i, "fmi3EnterStepMode")); }
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance i, const fmi3ValueReference[], size_t, const fmi3Int32[],
                                     fmi3Float64[], size_t) {
-    return not_supported(i, "fmi3GetOutputDerivatives");
+    return to_fmi(not_supported(i, "fmi3GetOutputDerivatives"));
 }
 fmi3Status fmi3DoStep(fmi3Instance i, fmi3Float64 time, fmi3Float64 step,
                       fmi3Boolean /*noSetFMUStatePriorToCurrentPoint*/, fmi3Boolean* event_needed,
@@ -343,7 +314,7 @@ fmi3Status fmi3DoStep(fmi3Instance i, fmi3Float64 time, fmi3Float64 step,
     return to_fmi(status);
 }
 fmi3Status fmi3ActivateModelPartition(fmi3Instance i, fmi3ValueReference, fmi3Float64) {
-    return not_supported(i, "fmi3ActivateModelPartition");
+    return to_fmi(not_supported(i, "fmi3ActivateModelPartition"));
 }
 
 }  // extern "C"

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fmi/compiler.hpp"
 #include "fmi/model.hpp"
 
 namespace adcs {
@@ -97,7 +98,7 @@ public:
     Status deserialize(const char* function, const void* bytes, std::size_t size, void** state);
 
     /// Reports and returns an error.
-    Status error(const char* format, ...) __attribute__((format(printf, 2, 3)));
+    Status error(const char* format, ...) ADCS_PRINTF_LIKE(2, 3);
 
 private:
     bool refuse(const char* function);
@@ -105,7 +106,7 @@ private:
     ~Instance();
 
     void message(Status status, const char* category, const char* format, std::va_list arguments);
-    void event(const char* format, ...) __attribute__((format(printf, 2, 3)));
+    void event(const char* format, ...) ADCS_PRINTF_LIKE(2, 3);
     /// Properties of a value reference as bits, so that a loop over many can gather what any of them has.
     enum Trait : unsigned {
         trait_float64 = 1,

@@ -4,6 +4,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "fmi/compiler.hpp"
 #include "fmi/declaration.hpp"
 #include "fmi/lifted.hpp"
 
@@ -174,7 +175,7 @@ public:
         if constexpr (has_derivatives<C<T>>) component.derivatives();
     }
     /// Flat and on a copy of the component, so that the compiler drops outputs that no derivative depends on.
-    __attribute__((flatten)) void integrate([[maybe_unused]] double time, [[maybe_unused]] double h) {
+    ADCS_FLATTEN void integrate([[maybe_unused]] double time, [[maybe_unused]] double h) {
         if constexpr (has_outputs<C<T>> || has_derivatives<C<T>>) {
             C<T> c = component;
             T start[Table::scalar_capacity], sum[Table::scalar_capacity];  // of which the states take the beginning

@@ -37,7 +37,8 @@ fmi2Component started(const std::string& token) {
 
 int main() {
     // A refused token names the expected one.
-    require(fmi2Instantiate("it", fmi2CoSimulation, "wrong", "", &callbacks, fmi2False, fmi2False) == nullptr, "refuse");
+    require(fmi2Instantiate("it", fmi2CoSimulation, "wrong", "", &callbacks, fmi2False, fmi2False) == nullptr,
+            "refuse");
     const std::size_t quote = last_message.rfind('{');
     require(quote != std::string::npos, "message names the expected token");
     const std::string token = last_message.substr(quote, last_message.find('}', quote) - quote + 1);

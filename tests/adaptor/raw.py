@@ -3,7 +3,6 @@
 import ctypes
 from collections.abc import Sequence
 from functools import lru_cache
-from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Self
 
@@ -13,11 +12,13 @@ import numpy as np
 from fmpy import extract, read_model_description
 from fmpy.model_description import ModelDescription
 
+from fmus import fmu_path
+
 
 @lru_cache
 def unpacked(name: str, version: int) -> tuple[TemporaryDirectory[str], ModelDescription]:
     folder = TemporaryDirectory(prefix=name)
-    path = str(Path(__file__).parents[2] / "fmus/dist" / (name + (".fmu" if version == 2 else ".fmi3.fmu")))
+    path = str(fmu_path(name, f"{version}.0"))
     extract(path, folder.name)
     return folder, read_model_description(path)
 

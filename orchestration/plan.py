@@ -2,37 +2,82 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+import itertools
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestration.fmu import Fmu
-from orchestration.schedule import Name, Operation, schedule, split
-from orchestration.system import Connection
+from fmus.errors import AdcsError
+from orchestration.fmu import Fmu, Port
+from orchestration.schedule import Name, Operation, schedule
+from orchestration.system import Connection, End, Ends
 
 Floats = NDArray[np.float64]
+Places = NDArray[np.intp]
+Starts = Mapping[str, Mapping[str, tuple[Any, ...]]]
+"""Start values by component and variable."""
 
 
 @dataclass(frozen=True)
 class Call:
-    """One get or set call: `where` says which signals it writes (get) or reads (set), in the order of its values."""
+    """One get or set call, or a loop to be solved.
+
+    `where` says which signals it writes (get) or reads (set), in the order of its values; a get call has a contiguous
+    place. A set call hands on `factor * signal + offset`, or what the element's mapping says. `loop` is the number of
+    the loop.
+    """
 
     kind: str
     component: str
-    elements: tuple[str, ...]
-    references: tuple[int, ...]
-    where: NDArray[np.intp]
+    elements: tuple[str, ...] = ()
+    references: tuple[int, ...] = ()
+    where: Places = field(default_factory=lambda: np.empty(0, np.intp))
+    type: str = "Float64"
+    factor: Floats | None = None
+    offset: Floats | None = None
+    mappings: tuple[tuple[tuple[float, float], ...], ...] = ()
+    loop: int = -1
+
+    @property
+    def plain(self) -> bool:
+        """Whether signals are handed on as they are."""
+        return self.factor is None and not self.mappings
+
+
+@dataclass(frozen=True)
+class Loop:
+    """An algebraic loop: the calls that set its inputs and those that then get the outputs that feed them."""
+
+    sets: tuple[Call, ...]
+    gets: tuple[Call, ...]
+
+
+@dataclass(frozen=True)
+class Delay:
+    """Signals from `source` arrive at `target` (slices of the buffer) `steps` exchange steps later."""
+
+    source: slice
+    target: slice
+    steps: int
 
 
 @dataclass(frozen=True)
 class Plan:
-    """All calls of one propagation, their common signal buffer, and the signals that make up a recorded row."""
+    """All calls of one propagation, their common signal buffer, and the signals that make up a recorded row.
+
+    The first `n_external` signals are given from outside, those of `external` one after the other.
+    """
 
     calls: tuple[Call, ...]
     signals: Floats
-    row: NDArray[np.intp]
+    row: Places
+    loops: tuple[Loop, ...] = ()
+    delays: tuple[Delay, ...] = ()
+    n_external: int = 0
+    every: Mapping[str, int] = field(default_factory=dict)
 
 
 def make_plan(
@@ -40,52 +85,290 @@ def make_plan(
     connections: Sequence[Connection],
     record: Collection[Name] = (),
     initial: bool = False,
+    *,
+    external: Sequence[str] = (),
+    starts: Starts | None = None,
+    every: Mapping[str, int] | None = None,
+    solve_loops: bool = False,
 ) -> Plan:
-    """Lower the schedule of the given connections; `initial` takes the dependencies of initialisation mode."""
-    operations = schedule(connections, _depends(fmus, initial), record)
-    place: dict[Name, NDArray[np.intp]] = {}
-    size = 0
-    for operation in operations:
+    """Lower the schedule of the given connections, whose delays are in steps.
+
+    `initial` takes the dependencies of initialisation mode, in which delayed values have not arrived. `external` names
+    inputs, `component.variable`, whose values come from outside.
+    """
+    return _Builder(fmus, connections, initial, external, starts or {}).plan(record, every or {}, solve_loops)
+
+
+class _Builder:
+    def __init__(
+        self,
+        fmus: Mapping[str, Fmu],
+        connections: Sequence[Connection],
+        initial: bool,
+        external: Sequence[str],
+        starts: Starts,
+    ) -> None:
+        self._fmus, self._starts = fmus, starts
+        self._ends = Ends(fmus)
+        self._depends = _Dependencies(fmus, initial)
+        self._size = 0
+        self._values: list[tuple[slice, Sequence[float]]] = []  # signals that are there from the beginning
+        self._place: dict[Name, Places] = {}  # of the elements of each variable that is fetched
+        self._sources: dict[Name, dict[Name, None]] = {}
+        self._now: list[Connection] = []
+        self._later: list[tuple[Connection, slice]] = []
+        self._origin: dict[Name, dict[int, tuple[int, Connection | None]]] = {}
+        for name in external:
+            self._reserve_external(name)
+        self.n_external = self._size
+        for connection in connections:
+            if connection.delayed and initial:
+                continue
+            self._add(connection)
+
+    def plan(self, record: Collection[Name], every: Mapping[str, int], solve_loops: bool) -> Plan:
+        recorded = [(component, node) for component, v in record for node in self._nodes(component, v)]
+        wanted = [node for connection, _ in self._later for node in self._source_nodes(connection)]
+        operations = schedule(self._sources, self._depends, recorded, wanted, solve_loops)
+        for operation in operations:
+            for get in operation.inside or (operation,):
+                if get.kind == "get":
+                    self._place_outputs(get)
+        for connection in self._now:
+            self._connect(connection)
+        loops: list[Loop] = []
+        calls: list[Call] = []
+        for operation in operations:
+            if operation.kind == "solve":
+                inside = [call for each in operation.inside for call in self._calls(each)]
+                calls.append(Call("solve", "", loop=len(loops)))
+                loops.append(
+                    Loop(
+                        tuple(c for c in inside if c.kind == "set"),
+                        tuple(c for c in inside if c.kind == "get"),
+                    )
+                )
+            else:
+                calls += self._calls(operation)
+        nothing = np.empty(0, np.intp)
+        delays = tuple(d for connection, target in self._later for d in self._delays(connection, target))
+        plan = Plan(
+            calls=tuple(calls),
+            signals=np.zeros(self._size),
+            row=np.concatenate([nothing, *(self._place_of(component, v) for component, v in record)]),
+            loops=tuple(loops),
+            delays=delays,
+            n_external=self.n_external,
+            every={name: every.get(name, 1) for name in self._fmus},
+        )
+        for where, values in self._values:
+            plan.signals[where] = values
+        return plan
+
+    def _reserve(self, n: int, values: Sequence[float] | None = None) -> slice:
+        where = slice(self._size, self._size + n)
+        self._size += n
+        if values is not None:
+            self._values.append((where, values))
+        return where
+
+    def _reserve_external(self, name: str) -> None:
+        end = self._ends(name)
+        where = self._reserve(len(end.elements), [float(self._start(end.component, end.port)[i]) for i in end.elements])
+        for element, signal in zip(end.elements, range(where.start, where.stop), strict=True):
+            self._feed(end.component, end.port, element, signal, None)
+
+    def _feed(self, component: str, port: Port, element: int, signal: int, connection: Connection | None) -> Name:
+        node = component, self._node(component, port, element)
+        self._origin.setdefault((component, port.name), {})[element] = signal, connection
+        self._sources.setdefault(node, {})
+        return node
+
+    def _add(self, connection: Connection) -> None:
+        target = self._ends(connection.target)
+        if connection.delayed:
+            start = self._start(target.component, target.port)
+            values = [_before(connection, float(start[i])) for i in target.elements]
+            where = self._reserve(len(target.elements), values)
+            self._later.append((connection, where))
+            for element, signal in zip(target.elements, range(where.start, where.stop), strict=True):
+                self._feed(target.component, target.port, element, signal, connection)
+            return
+        self._now.append(connection)
+        source = self._ends(connection.source)
+        for element, out in zip(target.elements, source.elements, strict=True):
+            node = target.component, self._node(target.component, target.port, element)
+            self._sources.setdefault(node, {})[source.component, self._node(source.component, source.port, out)] = None
+
+    def _connect(self, connection: Connection) -> None:
+        source, target = self._ends(connection.source), self._ends(connection.target)
+        for element, signal in zip(target.elements, self._place_of_end(source), strict=True):
+            self._feed(target.component, target.port, element, int(signal), connection)
+
+    def _delays(self, connection: Connection, target: slice) -> Iterable[Delay]:
+        """One for each contiguous part of what leaves."""
+        place = self._place_of_end(self._ends(connection.source))
+        cuts = [0, *(np.flatnonzero(np.diff(place) != 1) + 1), len(place)]
+        for i, j in itertools.pairwise(cuts):
+            leaves = slice(int(place[i]), int(place[j - 1]) + 1)
+            yield Delay(leaves, slice(target.start + int(i), target.start + int(j)), connection.delay_steps)
+
+    def _source_nodes(self, connection: Connection) -> list[Name]:
+        end = self._ends(connection.source)
+        return [(end.component, self._node(end.component, end.port, i)) for i in end.elements]
+
+    def _place_outputs(self, operation: Operation) -> None:
+        """Give each get call, one for each type, a contiguous place."""
+        for _, names in self._by_type(operation):
+            for name in names:
+                n = self._node_port(operation.component, name)[1]
+                where = self._reserve(len(n))
+                self._place[operation.component, name] = np.arange(where.start, where.stop, dtype=np.intp)
+
+    def _place_of_end(self, end: End) -> Places:
+        """Where the elements of an output are; others of the same array may be nowhere."""
+        port = end.port
+        if len(port.references) == 1:
+            return self._place[end.component, port.name][list(end.elements)]
+        return np.concatenate([self._place[end.component, port.elements[i]] for i in end.elements])
+
+    def _place_of(self, component: str, variable: str) -> Places:
+        return np.concatenate([self._place[component, node] for node in self._nodes(component, variable)])
+
+    def _calls(self, operation: Operation) -> list[Call]:
+        return [self._call(operation, type_, names) for type_, names in self._by_type(operation)]
+
+    def _call(self, operation: Operation, type_: str, names: Sequence[str]) -> Call:
+        component = operation.component
+        found = [self._node_port(component, name) for name in names]
+        elements = tuple(port.elements[i] for port, indices in found for i in indices)
+        references = tuple(port.references[indices[0] if len(port.references) > 1 else 0] for port, indices in found)
         if operation.kind == "get":
-            for variable in operation.variables:
-                n = fmus[operation.component].ports[variable].size
-                place[operation.component, variable] = np.arange(size, size + n, dtype=np.intp)
-                size += n
-    for connection in connections:
-        place[split(connection.target)] = place[split(connection.source)]
-    nothing = np.empty(0, np.intp)
-    return Plan(
-        calls=tuple(_call(fmus[o.component], o, place) for o in operations),
-        signals=np.zeros(size),
-        row=np.concatenate([nothing, *(place[name] for name in record)]),
-    )
+            where = np.concatenate([self._place[component, name] for name in names])
+            return Call("get", component, elements, references, where, type_)
+        origins = [self._origin_of(component, port, i) for port, indices in found for i in indices]
+        where = np.array([signal for signal, _ in origins], np.intp)
+        links = [connection or _DIRECT for _, connection in origins]
+        if all(link.plain for link in links):
+            return Call("set", component, elements, references, where, type_)
+        return Call(
+            "set",
+            component,
+            elements,
+            references,
+            where,
+            type_,
+            np.array([link.factor for link in links]),
+            np.array([link.offset for link in links]),
+            tuple(link.mapping for link in links) if any(link.mapping for link in links) else (),
+        )
+
+    def _origin_of(self, component: str, port: Port, element: int) -> tuple[int, Connection | None]:
+        """The signal that feeds an element; its start value, where only other elements of an array are connected."""
+        fed = self._origin[component, port.name]
+        if element not in fed:
+            fed[element] = self._reserve(1, [float(self._start(component, port)[element])]).start, None
+        return fed[element]
+
+    def _start(self, component: str, port: Port) -> Sequence[Any]:
+        given = self._starts.get(component, {}).get(port.name, port.start)
+        return given if given is not None else (0.0,) * port.size
+
+    def _by_type(self, operation: Operation) -> list[tuple[str, list[str]]]:
+        groups: dict[str, list[str]] = {}
+        for name in operation.variables:
+            groups.setdefault(self._node_port(operation.component, name)[0].type, []).append(name)
+        return list(groups.items())
+
+    def _nodes(self, component: str, variable: str) -> list[str]:
+        return nodes(self._fmus[component].ports[variable])
+
+    def _node(self, component: str, port: Port, element: int) -> str:
+        return port.elements[element] if len(port.references) > 1 else port.name
+
+    def _node_port(self, component: str, node: str) -> tuple[Port, list[int]]:
+        """The variable to which a node belongs, and the elements that it has."""
+        return self._depends.of[component].port_of[node]
 
 
-def _depends(fmus: Mapping[str, Fmu], initial: bool) -> Callable[[Name], Collection[str]]:
-    def depends(name: Name) -> Collection[str]:
-        component, variable = name
-        fmu = fmus[component]
-        port = fmu.ports[variable]
-        inputs = [p.name for p in fmu.ports.values() if p.causality == "input"]
+_DIRECT = Connection("", "")
+
+
+def nodes(port: Port) -> list[str]:
+    """What has a value reference of its own: each element in FMI 2, the whole array in FMI 3."""
+    return port.elements if len(port.references) > 1 else [port.name]
+
+
+class _Dependencies:
+    """On which inputs a variable depends; one object for each FMU, however many components it makes."""
+
+    def __init__(self, fmus: Mapping[str, Fmu], initial: bool) -> None:
+        known: dict[str, _Feedthrough] = {}
+        for fmu in fmus.values():
+            if fmu.sha256 not in known:
+                known[fmu.sha256] = _Feedthrough(fmu, initial)
+        self.of = {name: known[fmu.sha256] for name, fmu in fmus.items()}
+
+    def __call__(self, name: Name) -> Iterable[str]:
+        return self.of[name[0]](name[1])
+
+
+class _Feedthrough:
+    def __init__(self, fmu: Fmu, initial: bool) -> None:
+        self.port_of: dict[str, tuple[Port, list[int]]] = {}
+        for port in fmu.ports.values():
+            names = nodes(port)
+            for i, node in enumerate(names):
+                self.port_of[node] = port, [i] if len(names) > 1 else list(range(port.size))
+        self._inputs = [n for n, (port, _) in self.port_of.items() if port.causality == "input"]
+        self._initial = initial
+        self._running = self._listed(fmu.model.outputs)
+        self._initially = self._listed(fmu.model.initialUnknowns) if initial else {}
+
+    def __call__(self, node: str) -> Iterable[str]:
+        port, _ = self.port_of[node]
         if port.causality == "input":
-            return [variable]
+            return [node]
         if port.causality in ("parameter", "independent") or port.variability == "constant":
             return []
-        if not initial:
-            return fmu.dependencies.get(variable, inputs)
-        if port.initial == "exact":
-            return []
-        return fmu.initial_dependencies.get(variable, fmu.dependencies.get(variable, inputs))
+        running = self._running.get(node, self._inputs)
+        if not self._initial:
+            return running
+        return [] if port.initial == "exact" else self._initially.get(node, running)
 
-    return depends
+    def _listed(self, unknowns: Iterable[Any]) -> dict[str, list[str]]:
+        """`dependencies` left out means: on every input."""
+        inputs = set(self._inputs)
+        return {
+            self._named(u.variable.name): self._inputs
+            if u.dependencies is None
+            else [n for v in u.dependencies if (n := self._named(v.name)) in inputs]
+            for u in unknowns
+        }
+
+    def _named(self, variable: str) -> str:
+        """The node of a variable of the model description; an array of one element goes by its own name."""
+        name = _compact(variable)
+        return name if name in self.port_of else name.rpartition("[")[0]
 
 
-def _call(fmu: Fmu, operation: Operation, place: Mapping[Name, NDArray[np.intp]]) -> Call:
-    ports = [fmu.ports[v] for v in operation.variables]
-    return Call(
-        kind=operation.kind,
-        component=operation.component,
-        elements=tuple(element for port in ports for element in port.elements),
-        references=tuple(reference for port in ports for reference in port.references),
-        where=np.concatenate([place[operation.component, v] for v in operation.variables]),
+def _compact(name: str) -> str:
+    """`J[1, 2]` -> `J[1,2]`; `der(x[1])` -> `der(x)[1]`."""
+    if name.startswith("der(") and name.endswith("])"):
+        base, _, index = name[4:-2].rpartition("[")
+        name = f"der({base})[{index}]"
+    base, bracket, index = name.rpartition("[")
+    return f"{base}[{index.replace(' ', '')}" if bracket and index.endswith("]") else name
+
+
+def _before(connection: Connection, start: float) -> float:
+    """What would have had to leave for the input's start value to arrive."""
+    if not connection.mapping:
+        return start if connection.plain else (start - connection.offset) / connection.factor
+    for here, there in connection.mapping:
+        if there == start:
+            return here
+    raise AdcsError(
+        f"{connection.target} starts with {start:g}, which the mapping of its delayed connection from "
+        f"{connection.source} never gives: add a pair for it or give another start value"
     )

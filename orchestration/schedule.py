@@ -2,94 +2,220 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections import Counter, defaultdict, deque
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
 from fmus.errors import AdcsError
-from orchestration.system import Connection
 
 Name = tuple[str, str]
-"""A component and one of its variables."""
+"""A component and one of its variables: an element of an array in FMI 2, a whole array in FMI 3."""
 
 
 @dataclass(frozen=True)
 class Operation:
-    """One call: get these outputs of a component, or set these inputs of it."""
+    """Get these outputs of a component, set these inputs of it; or solve a loop by repeating what is `inside`."""
 
-    kind: Literal["get", "set"]
+    kind: Literal["get", "set", "solve"]
     component: str
     variables: tuple[str, ...]
+    inside: tuple[Operation, ...] = ()
 
 
 def schedule(
-    connections: Collection[Connection],
-    depends: Callable[[Name], Collection[str]],
+    sources: Mapping[Name, Collection[Name]],
+    depends: Callable[[Name], Iterable[str]],
     record: Collection[Name] = (),
+    wanted: Collection[Name] = (),
+    solve_loops: bool = False,
 ) -> list[Operation]:
     """Order the calls that propagate all values, so that no value is fetched before what it depends on was set.
 
-    `depends` gives the inputs on which an output of the same component directly depends; `record` names the outputs
-    that are wanted besides the connected ones. Each component gets as few calls as the dependencies allow. An algebraic
-    loop is refused with its variables.
+    `sources` gives for each input that is set the outputs from which its value comes now; none, if the value is there
+    already. `depends` gives the inputs on which an output of the same component directly depends. `wanted` names
+    outputs that are fetched though they feed no input now, `record` those that are fetched last. Each component gets
+    as few calls as the dependencies allow. An algebraic loop is refused with its variables, unless it is to be solved.
     """
-    source = {split(c.target): split(c.source) for c in connections}
-    connected = dict.fromkeys(source.values())
-    needs = {}
-    for out in (*connected, *record):
-        needs[out] = [(out[0], i) for i in depends(out) if (out[0], i) in source]
-    pending = list(connected)
-    wanted = [out for out in needs if out not in connected]
-    fetched: set[Name] = set()
-    unset = list(source)
-    operations: list[Operation] = []
+    outputs = dict.fromkeys([*(out for all_of in sources.values() for out in all_of), *wanted])
+    extra = [out for out in dict.fromkeys(record) if out not in outputs]
+    needs = {out: [i for v in depends(out) if (i := (out[0], v)) in sources] for out in (*outputs, *extra)}
+    loop_of = _loops(list(outputs), sources, needs)
+    if loop_of and not solve_loops:
+        raise AdcsError(
+            f"algebraic loop: {_path(next(iter(loop_of)), sources, needs, loop_of)}; solve it (--solve-loops), or put "
+            "a state or a delay into it"
+        )
+    return _Sequence(sources, needs, list(outputs), extra, loop_of).operations
 
-    def ready(out: Name) -> bool:
-        return all(source[i] in fetched for i in needs[out])
 
-    def set_(component: str) -> None:
-        now = [i for i in unset if i[0] == component and source[i] in fetched]
+class _Sequence:
+    """Works off all outputs, each when all that it needs is there."""
+
+    def __init__(
+        self,
+        sources: Mapping[Name, Collection[Name]],
+        needs: Mapping[Name, Sequence[Name]],
+        outputs: Sequence[Name],
+        extra: Sequence[Name],
+        loop_of: Mapping[Name, int],
+    ) -> None:
+        self.operations: list[Operation] = []
+        self._sources, self._needs, self._loop_of = sources, needs, loop_of
+        self._fetched: set[Name] = set()
+        self._unset: dict[str, dict[Name, None]] = defaultdict(dict)
+        for input_ in sources:
+            self._unset[input_[0]][input_] = None
+        self._extra: dict[str, list[Name]] = defaultdict(list)
+        for out in extra:
+            self._extra[out[0]].append(out)
+        self._missing: dict[Name, int] = {}  # outputs or loops that an output waits for
+        self._waiting: dict[Name, list[Name]] = defaultdict(list)
+        self._pending: Counter[str] = Counter(out[0] for out in outputs)
+        self._ready: dict[str, list[Name]] = defaultdict(list)
+        self._complete: deque[str] = deque()  # components of which all is ready need only one call
+        self._members: dict[int, list[Name]] = defaultdict(list)
+        for out, loop in loop_of.items():
+            self._members[loop].append(out)
+        self._missing_of_loop: Counter[int] = Counter()
+        ready = [out for out in outputs if not self._wait(out)]
+        for loop in self._members:
+            if not self._missing_of_loop[loop]:
+                self._solve(loop)
+        for out in ready:
+            self._make_ready(out)
+        self._work()
+
+    def _wait(self, out: Name) -> bool:
+        """Note what an output waits for; an output in a loop makes the whole loop wait."""
+        loop = self._loop_of.get(out)
+        before = {s for i in self._needs[out] for s in self._sources[i] if loop is None or self._loop_of.get(s) != loop}
+        for source in before:
+            self._waiting[source].append(out)
+        if loop is not None:
+            self._missing_of_loop[loop] += len(before)
+            return True
+        self._missing[out] = len(before)
+        return bool(before)
+
+    def _work(self) -> None:
+        while True:
+            while self._complete and not self._ready[self._complete[0]]:
+                self._complete.popleft()
+            if self._complete:
+                component = self._complete.popleft()
+            else:
+                partly = [c for c, outs in self._ready.items() if outs]
+                if not partly:
+                    break
+                component = min(partly, key=lambda c: self._pending[c] - len(self._ready[c]))
+            if any(self._needs[out] for out in self._ready[component]):
+                self._set(component)
+            self._get(component)
+        for component in list(self._unset):
+            self._set(component)
+        for component in list(self._extra):
+            self._get(component)
+
+    def _set(self, component: str) -> None:
+        now = [i for i in self._unset[component] if all(s in self._fetched for s in self._sources[i])]
         if now:
-            operations.append(Operation("set", component, tuple(v for _, v in now)))
-            unset[:] = [i for i in unset if i not in now]
+            self.operations.append(Operation("set", component, tuple(v for _, v in now)))
+            for input_ in now:
+                del self._unset[component][input_]
 
-    def get(component: str) -> None:
-        now = [o for o in (*pending, *wanted) if o[0] == component and not any(i in unset for i in needs[o])]
-        if now:
-            operations.append(Operation("get", component, tuple(v for _, v in now)))
-            fetched.update(now)
-            pending[:] = [out for out in pending if out not in fetched]
-            wanted[:] = [out for out in wanted if out not in fetched]
+    def _get(self, component: str) -> None:
+        ready = self._ready.pop(component, [])
+        unset = self._unset[component]
+        extra = [out for out in self._extra[component] if not any(i in unset for i in self._needs[out])]
+        self._extra[component] = [out for out in self._extra[component] if out not in extra]
+        if ready or extra:
+            self.operations.append(Operation("get", component, tuple(v for _, v in (*ready, *extra))))
+        self._arrived(ready)
 
-    while pending:
-        possible = dict.fromkeys(out[0] for out in pending if ready(out))
-        if not possible:
-            raise AdcsError(f"algebraic loop: {_loop(pending, source, needs)}; put a state or a delay into it")
-        # A component of which all is ready needs only one call; one that is served in parts can wait.
-        component = min(possible, key=lambda c: sum(out[0] == c and not ready(out) for out in pending))
-        if any(needs[out] for out in pending if out[0] == component and ready(out)):
-            set_(component)
-        get(component)
-    for component in dict.fromkeys(i[0] for i in unset):
-        set_(component)
-    for component in dict.fromkeys(out[0] for out in wanted):
-        get(component)
-    return operations
+    def _solve(self, loop: int) -> None:
+        members = self._members[loop]
+        components = list(dict.fromkeys(out[0] for out in members))
+        unknown = dict.fromkeys(
+            i
+            for out in members
+            for i in self._needs[out]
+            if any(self._loop_of.get(s) == loop for s in self._sources[i])
+        )
+        for component in components:
+            self._set(component)
+        inside = [Operation("set", *part) for part in _by_component(unknown)]
+        inside += [Operation("get", *part) for part in _by_component(members)]
+        for input_ in unknown:
+            self._unset[input_[0]].pop(input_, None)
+        self.operations.append(Operation("solve", "", (), tuple(inside)))
+        self._arrived(members)
+
+    def _arrived(self, outs: Sequence[Name]) -> None:
+        self._fetched.update(outs)
+        self._pending.subtract(out[0] for out in outs)
+        for out in outs:
+            for waiting in self._waiting.pop(out, ()):
+                loop = self._loop_of.get(waiting)
+                if loop is not None:
+                    self._missing_of_loop[loop] -= 1
+                    if not self._missing_of_loop[loop]:
+                        self._solve(loop)
+                else:
+                    self._missing[waiting] -= 1
+                    if not self._missing[waiting]:
+                        self._make_ready(waiting)
+
+    def _make_ready(self, out: Name) -> None:
+        self._ready[out[0]].append(out)
+        if len(self._ready[out[0]]) == self._pending[out[0]]:
+            self._complete.append(out[0])
+
+
+def _by_component(names: Iterable[Name]) -> list[tuple[str, tuple[str, ...]]]:
+    groups: dict[str, list[str]] = {}
+    for component, variable in names:
+        groups.setdefault(component, []).append(variable)
+    return [(component, tuple(variables)) for component, variables in groups.items()]
+
+
+def _loops(
+    outputs: Sequence[Name], sources: Mapping[Name, Collection[Name]], needs: Mapping[Name, Sequence[Name]]
+) -> dict[Name, int]:
+    """Return the outputs that depend on themselves, in groups that depend on each other."""
+    number = {out: i for i, out in enumerate(outputs)}
+    edges = [(number[out], number[s]) for out in outputs for i in needs[out] for s in sources[i]]
+    if not edges:
+        return {}
+    here, there = np.array(edges).T
+    graph = csr_array((np.ones(len(edges), np.int8), (here, there)), shape=(len(outputs), len(outputs)))
+    _, group = connected_components(graph, connection="strong")
+    looped = set(np.flatnonzero(np.bincount(group) > 1)) | set(group[here[here == there]])
+    return {out: int(group[i]) for out, i in number.items() if group[i] in looped}
+
+
+def _path(
+    first: Name,
+    sources: Mapping[Name, Collection[Name]],
+    needs: Mapping[Name, Sequence[Name]],
+    loop_of: Mapping[Name, int],
+) -> str:
+    """Walk upstream within the loop until an output comes up again; return the path downstream."""
+    walk = [first]
+    while True:
+        steps = ((i, s) for i in needs[walk[-1]] for s in sources[i])
+        input_, output = next((i, s) for i, s in steps if loop_of.get(s) == loop_of[first])
+        walk.append(input_)
+        if output in walk:
+            return " -> ".join(".".join(name) for name in [output, *reversed(walk[walk.index(output) :])])
+        walk.append(output)
 
 
 def split(name: str) -> Name:
     """`component.variable` -> (component, variable)."""
     component, _, variable = name.partition(".")
     return component, variable
-
-
-def _loop(pending: Collection[Name], source: Mapping[Name, Name], needs: Mapping[Name, Collection[Name]]) -> str:
-    """Walk upstream from an output that cannot be had until one comes up again; return the path downstream."""
-    walk = [next(iter(pending))]
-    while True:
-        input_ = next(i for i in needs[walk[-1]] if source[i] in pending)
-        output = source[input_]
-        walk.append(input_)
-        if output in walk:
-            return " -> ".join(".".join(name) for name in [output, *reversed(walk[walk.index(output) :])])
-        walk.append(output)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -12,31 +13,99 @@ import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration.fmu import FmiVersion, Fmu, Port, locate, open_fmu
+from orchestration.typed_values import binary_values, item_numbers
+from orchestration.units import Scale, conversion
 
 Value = Any
 """What a start value may be: a number, bool or str, or nested sequences or an array of them."""
 
 
+NUMERIC = ("Float", "Int", "UInt", "Boolean")
+"""Beginnings of the types whose values can be connected and recorded."""
+
+
 @dataclass
 class Component:
-    """A named FMU with the start values that were set explicitly (flat, row-major)."""
+    """A named FMU with the start values that were set explicitly (flat, row-major).
+
+    It communicates at every `every`-th exchange step, and its outputs hold in between.
+    """
 
     name: str
     source: str | Path
     fmu: Fmu
     start: dict[str, tuple[Any, ...]]
+    every: int = 1
 
     def open(self, version: FmiVersion) -> Fmu:
         """Return the FMU in the FMI version asked for; a component given by path has only one."""
-        return open_fmu(locate(self.source, version))
+        return open_fmu(locate(self.source, version)).configured(self.start)
 
 
 @dataclass(frozen=True)
 class Connection:
-    """A value that flows from an output to an input without delay; both ends are `component.variable`."""
+    """A value that flows from an output to an input; both ends are `component.variable`, or one element of it.
+
+    What arrives is `factor * value + offset`, from the units unless `given`; or what `mapping` says, pairs
+    (from, to). It arrives without delay unless `delay_steps` exchange steps or `delay` seconds are asked for; until
+    the first value arrives the input keeps its start value.
+    """
 
     source: str
     target: str
+    factor: float = 1.0
+    offset: float = 0.0
+    mapping: tuple[tuple[float, float], ...] = ()
+    delay_steps: int = 0
+    delay: float = 0.0  # s
+    given: bool = False
+
+    @property
+    def delayed(self) -> bool:
+        """Whether values arrive later than they leave."""
+        return self.delay_steps > 0 or self.delay > 0
+
+    @property
+    def plain(self) -> bool:
+        """Whether values arrive as they leave."""
+        return not self.mapping and (self.factor, self.offset) == (1.0, 0.0)
+
+
+@dataclass(frozen=True)
+class End:
+    """One end of a connection: which elements (flat indices) of a component's variable."""
+
+    component: str
+    port: Port
+    elements: tuple[int, ...]
+    shape: tuple[int, ...]
+
+
+class Ends:
+    """Finds what `component.variable` or `component.variable[i,j]` names in these FMUs."""
+
+    def __init__(self, fmus: Mapping[str, Fmu]) -> None:
+        self._fmus = fmus
+        self._found: dict[str, End] = {}
+
+    def __call__(self, name: str) -> End:
+        """Return it; AdcsError if there is no such variable or element."""
+        if name not in self._found:
+            self._found[name] = self._find(name)
+        return self._found[name]
+
+    def _find(self, name: str) -> End:
+        component, _, variable = name.partition(".")
+        fmu = self._fmus[component]
+        base, bracket, index = variable.rpartition("[")
+        if variable in fmu.ports or not bracket or base not in fmu.ports:
+            port = _port(component, fmu, variable)
+            return End(component, port, tuple(range(port.size)), port.shape)
+        port = fmu.ports[base]
+        element = f"{base}[{index.replace(' ', '')}"
+        if element not in port.elements:
+            raise AdcsError(f"{name} does not exist: {component}.{base} has {_size(port.shape)}, counted from 1")
+        return End(component, port, (port.elements.index(element),), ())
 
 
 class System:
@@ -46,68 +115,135 @@ class System:
         self.name = name
         self.description = description
         self.components: dict[str, Component] = {}
-        self.connections: list[Connection] = []
+        self._connections: list[Connection] = []
+        self._incoming: dict[tuple[str, str], list[Connection]] = {}
 
-    def add(self, name: str, fmu: str | Path, start: Mapping[str, Value] | None = None) -> None:
+    @property
+    def connections(self) -> Sequence[Connection]:
+        """All connections; `connect` and `disconnect` change them."""
+        return tuple(self._connections)
+
+    def add(self, name: str, fmu: str | Path, start: Mapping[str, Value] | None = None, every: int = 1) -> None:
         """Add a component.
 
         `fmu` is a name in `fmus/dist` or the path of any `.fmu`. `start` maps variables (parameters, inputs, states and
-        outputs with a start value) to values of the variable's shape, in the variable's unit.
+        outputs with a start value) to values of the variable's shape, in the variable's unit. The component
+        communicates at every `every`-th exchange step. `/` in a name separates the names of nested systems.
         """
-        if not name or "." in name or not name.isprintable():
+        if not all(name.split("/")) or "." in name or not name.isprintable():
             raise AdcsError(f"component name {name!r} is not usable: give a name without dots")
         if name in self.components:
             raise AdcsError(f"system {self.name!r} already has a component {name!r}: give another name")
+        if not isinstance(every, int) or every < 1:
+            raise AdcsError(f"component {name!r}: every = {every!r}, expected a whole number of exchange steps from 1")
         # Both files of a component built here say the same: the wiring is checked on whichever exists.
-        component = Component(name, fmu, open_fmu(_any_version(fmu)), {})
-        values = {variable: _start(name, component.fmu, variable, value) for variable, value in (start or {}).items()}
+        component = Component(name, fmu, open_fmu(_any_version(fmu)), {}, every)
+        given = dict(start or {})
+        for variable in [v for v in given if v in component.fmu.ports and _structural(component.fmu.ports[v])]:
+            component.start[variable] = _start(name, component.fmu, variable, given.pop(variable))
+        component.fmu = component.fmu.configured(component.start)
+        values = {variable: _start(name, component.fmu, variable, value) for variable, value in given.items()}
         component.start.update(values)
         self.components[name] = component
 
     def set(self, name: str, value: Value) -> None:
         """Set one start value, `component.variable`; replaces one given before."""
         component, port = self.port(name)
-        connected = next((c for c in self.connections if c.target == name), None)
-        if connected is not None:
-            raise AdcsError(f"{name} is connected to {connected.source}: a start value would have no effect")
+        if _structural(port):
+            raise AdcsError(f"{name} says how long arrays are: give it when the component is added")
+        for connected in self._into(component, port):
+            if not connected.delayed:
+                raise AdcsError(f"{name} is connected to {connected.source}: a start value would have no effect")
         self.components[component].start[port.name] = _start(
             component, self.components[component].fmu, port.name, value
         )
 
-    def connect(self, source: str, target: str) -> None:
-        """Connect an output to an input of the same shape and unit, both written `component.variable`.
+    def connect(
+        self,
+        source: str,
+        target: str,
+        *,
+        factor: float | None = None,
+        offset: float | None = None,
+        mapping: Sequence[tuple[float, float]] | None = None,
+        delay_steps: int = 0,
+        delay: float = 0.0,
+    ) -> None:
+        """Connect an output to an input of the same shape: `component.variable`, or an element as in `plant.q_BN[2]`.
 
-        An end without a unit goes with any unit; different units are refused.
+        Values are converted from the unit of one end to that of the other; an end without a unit goes with any. With
+        `factor` or `offset` the input gets `factor * value + offset` instead; `mapping` gives the input's value for
+        each value of a Boolean, integer or enumeration output. `delay_steps` (exchange steps) or `delay` (s, a whole
+        number of exchange steps) lets values arrive later.
         """
-        _, output = self.port(source)
-        component, input_ = self.port(target)
+        output, input_ = self.end(source), self.end(target)
         link = f"cannot connect {source} to {target}: "
-        if output.causality != "output":
-            raise AdcsError(f"{link}{source} is not an output but has causality {output.causality!r}")
-        if input_.causality != "input":
-            raise AdcsError(f"{link}{target} is not an input but has causality {input_.causality!r}")
-        for end, port in ((source, output), (target, input_)):
-            if port.type != "Float64":
-                raise AdcsError(f"{link}{end} is of type {port.type}, only Float64 can be connected so far")
+        if output.port.causality != "output":
+            raise AdcsError(f"{link}{source} is not an output but has causality {output.port.causality!r}")
+        if input_.port.causality != "input":
+            raise AdcsError(f"{link}{target} is not an input but has causality {input_.port.causality!r}")
+        for name, end in ((source, output), (target, input_)):
+            if not end.port.type.startswith(NUMERIC):
+                raise AdcsError(f"{link}{name} is of type {end.port.type}, only numbers and Booleans can be connected")
         if output.shape != input_.shape:
             raise AdcsError(f"{link}sizes differ, {_size(output.shape)} and {_size(input_.shape)}")
-        if output.unit and input_.unit and output.unit != input_.unit:
-            raise AdcsError(f"{link}units differ, {output.unit!r} and {input_.unit!r}: convert between them")
-        for other in self.connections:
-            if other.target == target:
+        given = factor is not None or offset is not None
+        pairs = tuple((float(a), float(b)) for a, b in mapping or ())
+        if pairs and given:
+            raise AdcsError(f"{link}it has a mapping as well as a factor or offset: give one of them")
+        scale = self._scale(link, output, input_) if not (given or pairs) else Scale(factor or 1.0, offset or 0.0)
+        if factor == 0 or not (isfinite(scale.factor) and isfinite(scale.offset)):
+            raise AdcsError(f"{link}factor = {factor}, offset = {offset}: expected finite numbers, the factor not zero")
+        if not pairs and _loses(output.port.type, input_.port.type, scale):
+            raise AdcsError(
+                f"{link}types {output.port.type} and {input_.port.type} do not go together: give a mapping, or connect "
+                "something else"
+            )
+        if not isinstance(delay_steps, int) or delay_steps < 0 or not (isfinite(delay) and delay >= 0):
+            raise AdcsError(f"{link}delay_steps = {delay_steps}, delay = {delay} s: expected a whole number, a time")
+        if delay_steps and delay:
+            raise AdcsError(f"{link}it has a delay in steps and one in seconds: give one of them")
+        for other in self._into(input_.component, input_.port):
+            if set(self.end(other.target).elements) & set(input_.elements):
                 raise AdcsError(f"{link}{other.source} is already connected to it, an input has one source")
-        if input_.name in self.components[component].start:
+        connection = Connection(
+            source, target, scale.factor, scale.offset, pairs, delay_steps, float(delay), given or bool(pairs)
+        )
+        has_start = input_.port.name in self.components[input_.component].start
+        if has_start and not connection.delayed and len(input_.elements) == input_.port.size:
             raise AdcsError(f"{link}{target} has a start value that the connection would override: drop one of them")
-        self.connections.append(Connection(source, target))
+        self._connections.append(connection)
+        self._incoming.setdefault((input_.component, input_.port.name), []).append(connection)
+
+    def disconnect(self, target: str) -> Connection:
+        """Remove the connection into an input and return it."""
+        end = self.end(target)
+        for connection in self._into(end.component, end.port):
+            if connection.target == target:
+                self._connections.remove(connection)
+                self._incoming[end.component, end.port.name].remove(connection)
+                return connection
+        raise AdcsError(f"nothing is connected to {target}")
+
+    def delay(self, target: str, *, steps: int = 0, seconds: float = 0.0) -> None:
+        """Delay the connection into an input."""
+        old = self.disconnect(target)
+        scale = {"factor": old.factor, "offset": old.offset} if old.given and not old.mapping else {}
+        self.connect(old.source, target, **scale, mapping=old.mapping or None, delay_steps=steps, delay=seconds)
 
     def port(self, name: str) -> tuple[str, Port]:
-        """Return the component's name and the variable that `component.variable` names."""
-        component, _, variable = name.partition(".")
+        """Return the component's name and the variable that `component.variable` (or an element of it) names."""
+        end = self.end(name)
+        return end.component, end.port
+
+    def end(self, name: str) -> End:
+        """Return what `component.variable` or `component.variable[i,j]` (counted from 1) names."""
+        component, _, _ = name.partition(".")
         if component not in self.components:
             raise AdcsError(
                 f"{name!r}: system {self.name!r} has no component {component!r}{_hint(component, self.components)}"
             )
-        return component, _port(component, self.components[component].fmu, variable)
+        return Ends({component: self.components[component].fmu})(name)
 
     def outputs(self) -> list[str]:
         """Name all outputs that can be recorded, `component.variable`."""
@@ -115,20 +251,46 @@ class System:
             f"{component.name}.{port.name}"
             for component in self.components.values()
             for port in component.fmu.ports.values()
-            if port.causality == "output" and port.type == "Float64"
+            if port.causality == "output" and port.type.startswith(NUMERIC)
         ]
 
-    def check(self) -> None:
-        """Refuse an input that is neither connected nor given a start value."""
+    def check(self, external: Sequence[str] = ()) -> None:
+        """Refuse an input that is neither connected nor given a start value.
+
+        Values of those in `external` come from outside; a String, Binary or Clock has none to be given.
+        """
+        outside = [self.end(name) for name in external]
+        for name, end in zip(external, outside, strict=True):
+            if end.port.causality != "input" or not end.port.type.startswith(NUMERIC):
+                raise AdcsError(f"{name} is a {end.port.type} {end.port.causality}: values from outside go to inputs")
+            if self._into(end.component, end.port):
+                raise AdcsError(f"{name} is connected to {self._into(end.component, end.port)[0].source} already")
         if not self.components:
             raise AdcsError(f"system {self.name!r} has no components: add one")
-        given = {c.target for c in self.connections}
-        given |= {f"{c.name}.{variable}" for c in self.components.values() for variable in c.start}
         for component in self.components.values():
             for port in component.fmu.ports.values():
+                if port.causality != "input" or port.name in component.start or not port.type.startswith(NUMERIC):
+                    continue
                 name = f"{component.name}.{port.name}"
-                if port.causality == "input" and name not in given:
+                reached = {e for c in self._into(component.name, port) for e in self.end(c.target).elements}
+                reached |= {e for o in outside if (o.component, o.port) == (component.name, port) for e in o.elements}
+                if not reached:
                     raise AdcsError(f"input {name} is not connected: connect it or give it a start value")
+                missing = [port.elements[i] for i in range(port.size) if i not in reached]
+                if missing:
+                    raise AdcsError(
+                        f"input {component.name}.{missing[0]} is not connected: connect it or give {name} a start value"
+                    )
+
+    def _into(self, component: str, port: Port) -> list[Connection]:
+        return self._incoming.get((component, port.name), [])
+
+    def _scale(self, link: str, output: End, input_: End) -> Scale:
+        fmus = (self.components[end.component].fmu for end in (output, input_))
+        try:
+            return conversion(next(fmus), output.port.unit, next(fmus), input_.port.unit)
+        except AdcsError as error:
+            raise AdcsError(f"{link}{error}") from None
 
 
 def _any_version(fmu: str | Path) -> Path:
@@ -139,6 +301,21 @@ def _any_version(fmu: str | Path) -> Path:
             return locate(fmu, "3.0")
         except AdcsError:
             raise error from None
+
+
+def _structural(port: Port) -> bool:
+    return port.causality == "structuralParameter"
+
+
+def _loses(source: str, target: str, scale: Scale) -> bool:
+    """Whether values of one type cannot be taken for values of the other: Booleans for numbers, fractions for integers.
+
+    Ranges of integers are checked when values come.
+    """
+    if (source == "Boolean") != (target == "Boolean"):
+        return True
+    whole = "Int" in source and scale.factor == round(scale.factor) and scale.offset == round(scale.offset)
+    return "Int" in target and not whole
 
 
 def _port(component: str, fmu: Fmu, variable: str) -> Port:
@@ -155,8 +332,17 @@ def _start(component: str, fmu: Fmu, variable: str, value: Value) -> tuple[Any, 
     name = f"{component}.{variable}"
     if not port.settable:
         raise AdcsError(f"{name} cannot be given a start value: it is a {port.variability} {port.causality}")
-    if port.causality == "structuralParameter":
-        raise AdcsError(f"{name} is a structural parameter: setting these is not supported")
+    return checked_value(name, port, value)
+
+
+def checked_value(name: str, port: Port, value: Value) -> tuple[Any, ...]:
+    """Check a value for a variable, by shape, type and range, and return it flat (row-major).
+
+    An enumeration takes the names of its items, too; Binary takes bytes, hexadecimal digits, or base64:...
+    """
+    if port.type == "Binary":
+        return binary_values(name, port, value)
+    value = item_numbers(name, port, value)
     try:
         array = np.asarray(value)
         if array.dtype == object:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
+import itertools
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,38 +16,59 @@ import numpy as np
 
 from fmus import toolchain
 from fmus.paths import BUILD
-from orchestration.instance import CallFailed, Instance, action_of
-from orchestration.plan import Floats, Plan
+from orchestration.instance import CallFailed, Instance
+from orchestration.plan import Call, Floats, Plan
+from orchestration.propagation import Ring, action_of, not_finite, not_held, not_mapped
 
 _SOURCE = Path(__file__).with_name("engine.c")
 _FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-Wall", "-Wextra", "-shared")
 
-_GET, _SET, _DO_STEP, _SET_TIME, _SET_STATES, _GET_DERIVATIVES = range(6)
-_STATUS, _NOT_FINITE, _TERMINATED, _EARLY_RETURN = range(1, 5)
+_GET, _SET, _SOLVE, _DO_STEP, _SET_TIME, _SET_STATES, _GET_DERIVATIVES = range(7)
+_STATUS, _NOT_FINITE, _TERMINATED, _EARLY_RETURN, _DOES_NOT_FIT, _NOT_MAPPED, _RAISED = range(1, 8)
 _ACTIONS = {
+    _GET: "get",
+    _SET: "set",
+    _SOLVE: "solving an algebraic loop",
     _DO_STEP: "doStep",
     _SET_TIME: "setTime",
     _SET_STATES: "setContinuousStates",
     _GET_DERIVATIVES: "getDerivatives",
 }
+_TYPES = ["Float64", "Float32", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64", "Boolean"]
+_BOOL32 = len(_TYPES)  # FMI 2's
+_SIZES = dict(zip(_TYPES, (8, 4, 1, 1, 2, 2, 4, 4, 8, 8, 4), strict=True))
+_FMI2_NAMES = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean"}
+
+_CALLBACK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int32, ctypes.c_int32, ctypes.c_double, ctypes.c_double)
 
 
 class _Component(ctypes.Structure):
     _fields_ = (
         ("instance", ctypes.c_void_p),
-        ("get", ctypes.c_void_p),
-        ("set", ctypes.c_void_p),
         ("do_step", ctypes.c_void_p),
         ("set_time", ctypes.c_void_p),
         ("set_states", ctypes.c_void_p),
         ("get_derivatives", ctypes.c_void_p),
         ("n_states", ctypes.c_size_t),
+        ("every", ctypes.c_int64),
         ("fmi", ctypes.c_int32),
     )
 
 
-class _Range(ctypes.Structure):
-    _fields_ = (("start", ctypes.c_size_t), ("n", ctypes.c_size_t))
+class _Pair(ctypes.Structure):
+    _fields_ = (("here", ctypes.c_double), ("there", ctypes.c_double))
+
+
+class _Piece(ctypes.Structure):
+    _fields_ = (
+        ("start", ctypes.c_size_t),
+        ("n", ctypes.c_size_t),
+        ("factor", ctypes.c_double),
+        ("offset", ctypes.c_double),
+        ("mapping", ctypes.POINTER(_Pair)),
+        ("n_mapping", ctypes.c_size_t),
+        ("plain", ctypes.c_bool),
+    )
 
 
 class _Call(ctypes.Structure):
@@ -55,10 +77,24 @@ class _Call(ctypes.Structure):
         ("n_references", ctypes.c_size_t),
         ("values", ctypes.c_void_p),
         ("n_values", ctypes.c_size_t),
-        ("ranges", ctypes.POINTER(_Range)),
-        ("n_ranges", ctypes.c_size_t),
+        ("raw", ctypes.c_void_p),
+        ("pieces", ctypes.POINTER(_Piece)),
+        ("n_pieces", ctypes.c_size_t),
+        ("access", ctypes.c_void_p),
         ("kind", ctypes.c_int32),
+        ("type", ctypes.c_int32),
         ("component", ctypes.c_uint32),
+        ("plain", ctypes.c_bool),
+    )
+
+
+class _Delay(ctypes.Structure):
+    _fields_ = (
+        ("start", ctypes.c_size_t),
+        ("to", ctypes.c_size_t),
+        ("n", ctypes.c_size_t),
+        ("steps", ctypes.c_int64),
+        ("history", ctypes.c_void_p),
     )
 
 
@@ -73,61 +109,112 @@ class _Plan(ctypes.Structure):
         ("calls", ctypes.POINTER(_Call)),
         ("n_calls", ctypes.c_size_t),
         ("signals", ctypes.c_void_p),
-        ("record", ctypes.POINTER(_Range)),
+        ("n_external", ctypes.c_size_t),
+        ("delays", ctypes.POINTER(_Delay)),
+        ("n_delays", ctypes.c_size_t),
+        ("record", ctypes.POINTER(_Piece)),
         ("n_record", ctypes.c_size_t),
+        ("record_every", ctypes.c_int64),
+        ("callback", _CALLBACK),
         ("failure", _Failure),
+        ("k", ctypes.c_int64),
+        ("doing", ctypes.c_int32),
+        ("component", ctypes.c_int32),
+        ("stop", ctypes.c_int32),
     )
 
 
 class Engine:
-    """A plan bound to the function pointers of its instances, which must stay open as long as it is used."""
+    """A plan bound to the function pointers of its instances, which must stay open as long as it is used.
 
-    def __init__(self, plan: Plan, instances: Mapping[str, Instance]) -> None:
+    `solve` solves the loop of a given number; `rings` hold what is on its way in the plan's delays.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        instances: Mapping[str, Instance],
+        *,
+        rings: tuple[Ring, ...] = (),
+        record_every: int = 1,
+        solve: Callable[[int], None] | None = None,
+    ) -> None:
         self._plan = plan
         self._instances = list(instances.values())
+        self._solve = solve
+        self._raised: BaseException | None = None
         self._library = _library()
-        number = {name: i for i, name in enumerate(instances)}
-        components = (_Component * len(instances))(*map(_component, self._instances))
-        calls = (_Call * len(plan.calls))()
-        keep: list[Any] = [components, calls]  # what the C structures point to
-        for call, raw in zip(plan.calls, calls, strict=True):
-            raw.references = (ctypes.c_uint32 * len(call.references))(*call.references)
-            raw.n_references = len(call.references)
-            raw.n_values = len(call.where)
-            raw.component = number[call.component]
-            if call.kind == "get":  # the plan gives each get call a contiguous place
-                raw.kind = _GET
-                raw.values = plan.signals.ctypes.data + int(call.where[0]) * plan.signals.itemsize
-            else:
-                raw.kind = _SET
-                staging = np.zeros(len(call.where))
-                raw.values = staging.ctypes.data
-                raw.ranges, raw.n_ranges = _ranges(call.where)
-                keep.append(staging)
-        record, n_record = _ranges(plan.row)
+        self._number = {name: i for i, name in enumerate(instances)}
+        self._keep: list[Any] = [plan, rings]  # what the C structures point to
+        components = (_Component * len(instances))(*(_component(i, plan.every.get(i.name, 1)) for i in self._instances))
+        calls = (_Call * len(plan.calls))(*map(self._call, plan.calls))
+        delays = (_Delay * len(rings))(
+            *(
+                _Delay(
+                    r.delay.source.start,
+                    r.delay.target.start,
+                    r.delay.source.stop - r.delay.source.start,
+                    r.delay.steps,
+                    r.values.ctypes.data,
+                )
+                for r in rings
+            )
+        )
+        record, n_record = _pieces(plan.row)
         self._raw = _Plan(
-            components, len(components), calls, len(calls), plan.signals.ctypes.data, record, n_record, _Failure()
+            components=components,
+            n_components=len(components),
+            calls=calls,
+            n_calls=len(calls),
+            signals=plan.signals.ctypes.data,
+            n_external=plan.n_external,
+            delays=delays,
+            n_delays=len(delays),
+            record=record,
+            n_record=n_record,
+            record_every=record_every,
+            callback=_CALLBACK(self._called_back),
         )
         self._reference = ctypes.byref(self._raw)
-        self._keep = keep
 
-    def propagate(self) -> None:
-        """Execute the get and set calls once."""
-        if not self._library.adcs_propagate(self._reference):
+    @property
+    def doing(self) -> tuple[int, str, str]:
+        """Point, component and call that are going on; to be read from another thread."""
+        if self._raw.doing == _SOLVE:
+            return self._raw.k, "", _ACTIONS[_SOLVE]
+        return self._raw.k, self._instances[self._raw.component].name, _ACTIONS[self._raw.doing]
+
+    def stop(self) -> None:
+        """Let `steps` return before its next point; to be called from another thread."""
+        self._raw.stop = 1
+
+    def propagate(self, k: int = 0, time: float = 0.0) -> None:
+        """Execute the get and set calls of point k once."""
+        if not self._library.adcs_propagate(self._reference, k, time):
             raise self._failed()
 
-    def steps(self, start: float, step: float, first: int, last: int, rows: Floats) -> tuple[int, CallFailed | None]:
-        """Co-simulate: fill `rows` (n, row size) with the rows from index `first`; do not step on from row `last`.
+    def move_on(self, k: int, last: int, time: float, step: float) -> None:
+        """Step all components on from point k; none beyond point `last`."""
+        if not self._library.adcs_move_on(self._reference, k, last, time, step):
+            raise self._failed()
 
-        Returns how many rows were written, and what failed, if so.
+    def steps(
+        self, start: float, step: float, first: int, count: int, last: int, external: Floats | None, rows: Floats
+    ) -> tuple[int, int, CallFailed | None]:
+        """Co-simulate from point `first` to before point `first + count`; do not step on from point `last`.
+
+        `external` (count, number of external signals) is what comes from outside. Returns the next point, how many
+        `rows` (n, row size) were written, and what failed, if so.
         """
-        n = self._library.adcs_steps(self._reference, start, step, first, len(rows), last, rows.ctypes.data)
+        self._raw.k = first
+        given = None if external is None else external.ctypes.data
+        written = self._library.adcs_steps(self._reference, start, step, first, count, last, given, rows.ctypes.data)
         if not self._raw.failure.reason:
-            return n, None
+            return self._raw.k, written, None
         failed = self._failed()
-        stepping = self._raw.failure.kind == _DO_STEP  # from the last row that was written
-        failed.time = start + (first + n - stepping) * step
-        return n, failed
+        if failed.time is None:
+            failed.time = start + self._raw.k * step
+        return self._raw.k, written, failed
 
     def evaluate(self, time: float, states: Floats, derivatives: Floats | None, row: Floats | None = None) -> None:
         """Coupled Model Exchange: write the derivatives and the row at a time and state vector (contiguous arrays)."""
@@ -142,17 +229,69 @@ class Engine:
             failed.time = time
             raise failed
 
+    def _called_back(self, kind: int, number: int, time: float, step: float) -> int:
+        try:
+            if kind == _SOLVE:
+                assert self._solve is not None
+                self._solve(number)
+            else:
+                self._instances[number].do_step(time, step)
+        except BaseException as error:  # cannot pass through C
+            self._raised = error
+            return 1
+        return 0
+
+    def _call(self, call: Call) -> _Call:
+        if call.kind == "solve":
+            return _Call(kind=_SOLVE, component=call.loop)
+        instance = self._instances[self._number[call.component]]
+        n = len(call.where)
+        references = (ctypes.c_uint32 * len(call.references))(*call.references)
+        raw = None
+        if call.type != "Float64":
+            raw = ctypes.create_string_buffer(n * _SIZES[call.type])
+            self._keep.append(raw)
+        made = _Call(
+            references=references,
+            n_references=len(references),
+            n_values=n,
+            raw=None if raw is None else ctypes.addressof(raw),
+            access=_access(instance, call),
+            type=_BOOL32 if instance.major == 2 and call.type == "Boolean" else _TYPES.index(call.type),
+            component=self._number[call.component],
+            plain=call.plain,
+        )
+        if call.kind == "get":
+            made.kind = _GET
+            made.values = self._plan.signals.ctypes.data + int(call.where[0]) * self._plan.signals.itemsize
+        else:
+            made.kind = _SET
+            staging = np.zeros(n)
+            made.values = staging.ctypes.data
+            made.pieces, made.n_pieces = _pieces(call.where, call)
+            self._keep.append(staging)
+        return made
+
     def _failed(self) -> CallFailed:
         failure: Any = self._raw.failure
+        if failure.reason == _RAISED:
+            error, self._raised = self._raised, None
+            if isinstance(error, CallFailed):
+                return error
+            raise error or RuntimeError("a callback failed without a reason")
         instance: Instance = self._instances[failure.component]
-        if failure.kind in _ACTIONS:
-            action = _ACTIONS[failure.kind]
-            elements = tuple(f"the derivative of {state}" for state in instance.fmu.states)
-        else:
+        if failure.kind in (_GET, _SET):
             call = self._plan.calls[failure.call]
             action, elements = action_of(call), call.elements
+            if failure.reason in (_DOES_NOT_FIT, _NOT_MAPPED):
+                value = ctypes.cast(self._raw.calls[failure.call].values, ctypes.POINTER(ctypes.c_double))
+                wrong = not_held if failure.reason == _DOES_NOT_FIT else not_mapped
+                return wrong(call, failure.element, value[failure.element])
+        else:
+            action = _ACTIONS[failure.kind]
+            elements = tuple(f"the derivative of {state}" for state in instance.fmu.states)
         if failure.reason == _NOT_FINITE:
-            return CallFailed(instance.name, f"{elements[failure.element]} is not finite")
+            return not_finite(instance.name, elements[failure.element])
         if failure.reason == _TERMINATED:
             return instance.ended()
         if failure.reason == _EARLY_RETURN:
@@ -160,32 +299,52 @@ class Engine:
         return instance.failure(action, failure.status)
 
 
-def _component(instance: Instance) -> _Component:
-    handle = instance.handle
-    prefix, real = ("fmi2", "Real") if instance.major == 2 else ("fmi3", "Float64")
+def _access(instance: Instance, call: Call) -> int | None:
+    kind = _FMI2_NAMES.get(call.type, call.type) if instance.major == 2 else call.type
+    return _address(instance, f"{call.kind.capitalize()}{kind}")
 
-    def address(function: str) -> int | None:
-        pointer = getattr(handle, "_functions").get(prefix + function)  # noqa: B009 - what fmpy loaded
-        return None if pointer is None else ctypes.cast(pointer, ctypes.c_void_p).value
 
+def _address(instance: Instance, function: str) -> int | None:
+    functions = getattr(instance.handle, "_functions")  # noqa: B009 - what fmpy loaded
+    pointer = functions.get(f"fmi{instance.major}{function}")
+    return None if pointer is None else ctypes.cast(pointer, ctypes.c_void_p).value
+
+
+def _component(instance: Instance, every: int) -> _Component:
     return _Component(
-        instance=handle.component,
-        get=address(f"Get{real}"),
-        set=address(f"Set{real}"),
-        do_step=address("DoStep"),
-        set_time=address("SetTime"),
-        set_states=address("SetContinuousStates"),
-        get_derivatives=address("GetDerivatives" if instance.major == 2 else "GetContinuousStateDerivatives"),
+        instance=instance.handle.component,
+        do_step=None if instance.special else _address(instance, "DoStep"),
+        set_time=_address(instance, "SetTime"),
+        set_states=_address(instance, "SetContinuousStates"),
+        get_derivatives=_address(
+            instance, "GetDerivatives" if instance.major == 2 else "GetContinuousStateDerivatives"
+        ),
         n_states=len(instance.fmu.states),
+        every=every,
         fmi=instance.major,
     )
 
 
-def _ranges(where: np.ndarray[Any, np.dtype[np.intp]]) -> tuple[Any, int]:
-    """Cut indices into contiguous ranges."""
-    cuts = np.flatnonzero(np.diff(where) != 1) + 1
-    parts = [part for part in np.split(where, cuts) if len(part)]
-    return (_Range * len(parts))(*(_Range(int(part[0]), len(part)) for part in parts)), len(parts)
+def _pieces(where: np.ndarray[Any, np.dtype[np.intp]], call: Call | None = None) -> tuple[Any, int]:
+    """Cut indices into contiguous pieces that are handed on in the same way."""
+    cut = np.diff(where) != 1
+    if call is not None and call.factor is not None and call.offset is not None:
+        cut = cut | (np.diff(call.factor) != 0) | (np.diff(call.offset) != 0)
+        if call.mappings:
+            cut = cut | np.array([a != b for a, b in zip(call.mappings, call.mappings[1:], strict=False)], bool)
+    bounds = [0, *(np.flatnonzero(cut) + 1), len(where)] if len(where) else []
+    pieces = [_piece(int(where[i]), int(j - i), call, int(i)) for i, j in itertools.pairwise(bounds)]
+    return (_Piece * len(pieces))(*pieces), len(pieces)
+
+
+def _piece(start: int, n: int, call: Call | None, first: int) -> _Piece:
+    if call is None or call.factor is None or call.offset is None:
+        return _Piece(start=start, n=n, factor=1.0, plain=True)
+    factor, offset = float(call.factor[first]), float(call.offset[first])
+    pairs = call.mappings[first] if call.mappings else ()
+    plain = not pairs and (factor, offset) == (1.0, 0.0)
+    mapping = (_Pair * len(pairs))(*(_Pair(*pair) for pair in pairs)) if pairs else None
+    return _Piece(start, n, factor, offset, mapping, len(pairs), plain)
 
 
 def _built() -> Path:
@@ -207,9 +366,11 @@ def _library() -> ctypes.CDLL:
     library = ctypes.CDLL(os.environ.get("ADCS_ENGINE") or str(_built()))  # the variable: for sanitized builds
     plan, double, address, index = ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p, ctypes.c_int64
     library.adcs_plan_size.restype = ctypes.c_size_t
-    library.adcs_propagate.argtypes = (plan,)
+    library.adcs_propagate.argtypes = (plan, index, double)
     library.adcs_propagate.restype = ctypes.c_bool
-    library.adcs_steps.argtypes = (plan, double, double, index, index, index, address)
+    library.adcs_move_on.argtypes = (plan, index, index, double, double)
+    library.adcs_move_on.restype = ctypes.c_bool
+    library.adcs_steps.argtypes = (plan, double, double, index, index, index, address, address)
     library.adcs_steps.restype = index
     library.adcs_evaluate.argtypes = (plan, double, address, address, address)
     library.adcs_evaluate.restype = ctypes.c_bool

@@ -1,12 +1,14 @@
 /* The stepping loop of co-simulation and the right-hand side of coupled Model Exchange over FMU function pointers.
  *
- * One plan says which values flow where: `get` calls write straight into the signal buffer, `set` calls gather their
- * values from it. All memory belongs to the caller; nothing is allocated here. Mirrored by __init__.py. */
+ * One plan says which values flow where: `get` calls write into the signal buffer, `set` calls gather their values
+ * from it. Signals are doubles; other types are converted at the call. All memory belongs to the caller; nothing is
+ * allocated here. What a plain FMI call cannot do goes back to Python through `Callback`. Mirrored by __init__.py. */
 
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #ifdef _WIN32
 #define EXPORT __declspec(dllexport)
@@ -17,8 +19,8 @@
 typedef uint32_t Reference;
 
 typedef union {
-    int (*fmi2)(void*, const Reference*, size_t, double*);
-    int (*fmi3)(void*, const Reference*, size_t, double*, size_t);
+    int (*fmi2)(void*, const Reference*, size_t, void*);
+    int (*fmi3)(void*, const Reference*, size_t, void*, size_t);
 } Access;
 
 typedef union {
@@ -28,42 +30,63 @@ typedef union {
 
 typedef struct {
     void* instance;
-    Access get, set;
-    DoStep do_step; /* Co-Simulation only; the next three Model Exchange only */
-    int (*set_time)(void*, double);
+    DoStep do_step;                 /* Co-Simulation only; null: step it through the plan's callback */
+    int (*set_time)(void*, double); /* Model Exchange only, as the next two */
     int (*set_states)(void*, const double*, size_t);
     int (*get_derivatives)(void*, double*, size_t);
     size_t n_states;
-    int32_t fmi; /* 2 or 3 */
+    int64_t every; /* communicates at k = 0, every, 2*every ... */
+    int32_t fmi;   /* 2 or 3 */
 } Component;
 
-enum { GET, SET, DO_STEP, SET_TIME, SET_STATES, GET_DERIVATIVES };
+enum { GET, SET, SOLVE, DO_STEP, SET_TIME, SET_STATES, GET_DERIVATIVES };
+enum { FLOAT64, FLOAT32, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, BOOL8, BOOL32 };
 
 typedef struct {
-    size_t from, n;
-} Range; /* of the signal buffer */
+    double from, to;
+} Pair;
+
+typedef struct {
+    size_t from, n; /* of the signal buffer */
+    double factor, offset;
+    const Pair* mapping; /* null: factor * signal + offset */
+    size_t n_mapping;
+    bool plain; /* as it is, to the last bit */
+} Piece;
 
 typedef struct {
     const Reference* references;
     size_t n_references;
     double* values; /* get: into the signal buffer; set: its own staging buffer */
     size_t n_values;
-    const Range* ranges; /* set: what is gathered into values */
-    size_t n_ranges;
-    int32_t kind; /* GET or SET */
-    uint32_t component;
+    void* raw;           /* values of another type than double; null: double */
+    const Piece* pieces; /* set: what is gathered into values */
+    size_t n_pieces;
+    Access access;
+    int32_t kind; /* GET, SET or SOLVE */
+    int32_t type;
+    uint32_t component; /* SOLVE: number of the loop */
+    bool plain;         /* set: signals go as they are, and are finite therefore */
 } Call;
 
-enum { STATUS = 1, NOT_FINITE, TERMINATED, EARLY_RETURN };
+typedef struct {
+    size_t from, to, n; /* signals that are delayed, and where they arrive */
+    int64_t steps;
+    double* history; /* (steps, n): what left at k is at k modulo steps */
+} Delay;
+
+enum { STATUS = 1, NOT_FINITE, TERMINATED, EARLY_RETURN, DOES_NOT_FIT, NOT_MAPPED, RAISED };
 
 typedef struct {
     int32_t reason;
     int32_t kind;      /* of the call that failed */
     int32_t component; /* index */
-    int32_t call;      /* index in the plan, for GET and SET */
+    int32_t call;      /* index in the plan, for GET, SET and SOLVE */
     int32_t status;    /* as returned by the FMU */
-    int32_t element;   /* of the first value that is not finite */
+    int32_t element;   /* of the first value that is wrong */
 } Failure;
+
+typedef int (*Callback)(int32_t kind, int32_t number, double time, double step);
 
 typedef struct {
     const Component* components;
@@ -71,9 +94,18 @@ typedef struct {
     const Call* calls;
     size_t n_calls;
     double* signals;
-    const Range* record; /* what makes up a row */
+    size_t n_external; /* the first signals come from outside */
+    const Delay* delays;
+    size_t n_delays;
+    const Piece* record; /* what makes up a row */
     size_t n_record;
+    int64_t record_every;
+    Callback callback; /* solves a loop, or steps a component; not 0: it raised */
     Failure failure;
+    /* read and written by other threads */
+    volatile int64_t k;
+    volatile int32_t doing, component; /* the call that is going on */
+    volatile int32_t stop;             /* return before the next step */
 } Plan;
 
 EXPORT size_t adcs_plan_size(void) { return sizeof(Plan); }
@@ -92,68 +124,242 @@ static size_t first_not_finite(const double* values, size_t n) {
     return i;
 }
 
-static double* gather(const double* signals, const Range* ranges, size_t n_ranges, double* to) {
-    for (size_t r = 0; r < n_ranges; ++r) {
-        const double* from = signals + ranges[r].from;
-        for (size_t i = 0; i < ranges[r].n; ++i) *to++ = from[i];
+/* Values outside the mapping become NaN, which no type takes. */
+static double mapped(const Piece* piece, double value) {
+    for (size_t i = 0; i < piece->n_mapping; ++i) {
+        if (piece->mapping[i].from == value) return piece->mapping[i].to;
+    }
+    return NAN;
+}
+
+static double* gather(const double* signals, const Piece* pieces, size_t n_pieces, double* to) {
+    for (size_t p = 0; p < n_pieces; ++p) {
+        const Piece* piece = &pieces[p];
+        const double* from = signals + piece->from;
+        if (piece->plain) {
+            for (size_t i = 0; i < piece->n; ++i) *to++ = from[i];
+        } else if (piece->mapping) {
+            for (size_t i = 0; i < piece->n; ++i) *to++ = mapped(piece, from[i]);
+        } else {
+            for (size_t i = 0; i < piece->n; ++i) *to++ = piece->factor * from[i] + piece->offset;
+        }
     }
     return to;
 }
 
-static bool propagate(Plan* plan) {
-    for (size_t i = 0; i < plan->n_calls; ++i) {
-        const Call* call = &plan->calls[i];
-        const Component* c = &plan->components[call->component];
-        if (call->kind == SET) gather(plan->signals, call->ranges, call->n_ranges, call->values);
-        const Access access = call->kind == SET ? c->set : c->get;
-        const int status =
-            c->fmi == 2 ? access.fmi2(c->instance, call->references, call->n_references, call->values)
-                        : access.fmi3(c->instance, call->references, call->n_references, call->values, call->n_values);
-        if (!good(status)) return fail(plan, STATUS, call->kind, call->component, i, status, 0);
-        if (call->kind == GET) {
-            const size_t bad = first_not_finite(call->values, call->n_values);
-            if (bad < call->n_values) return fail(plan, NOT_FINITE, GET, call->component, i, status, bad);
+/* Above 2^53 a double does not hold every integer: such values are refused rather than rounded. */
+#define EXACT 9007199254740992.0
+
+#define PACK(TYPE, LOW, HIGH)                                       \
+    for (; i < n; ++i) {                                            \
+        if (!(values[i] >= (LOW) && values[i] <= (HIGH))) return i; \
+        ((TYPE*)raw)[i] = (TYPE)values[i];                          \
+    }                                                               \
+    return n
+#define UNPACK(TYPE)                               \
+    for (; i < n; ++i) {                           \
+        values[i] = (double)((const TYPE*)raw)[i]; \
+        if (!(fabs(values[i]) <= EXACT)) return i; \
+    }                                              \
+    return n
+
+/* Both return the index of the first value that does not fit, n if all do. */
+static size_t pack(int32_t type, const double* values, size_t n, void* raw) {
+    size_t i = 0;
+    switch (type) {
+        case FLOAT32:
+            for (; i < n; ++i) {
+                ((float*)raw)[i] = (float)values[i];
+                if (!isfinite(((float*)raw)[i])) return i;
+            }
+            return n;
+        case INT8:
+            PACK(int8_t, INT8_MIN, INT8_MAX);
+        case UINT8:
+            PACK(uint8_t, 0, UINT8_MAX);
+        case INT16:
+            PACK(int16_t, INT16_MIN, INT16_MAX);
+        case UINT16:
+            PACK(uint16_t, 0, UINT16_MAX);
+        case INT32:
+            PACK(int32_t, INT32_MIN, INT32_MAX);
+        case UINT32:
+            PACK(uint32_t, 0, UINT32_MAX);
+        case INT64:
+            PACK(int64_t, -EXACT, EXACT);
+        case UINT64:
+            PACK(uint64_t, 0, EXACT);
+        case BOOL8:
+            PACK(uint8_t, 0, 1);
+        default:
+            PACK(int32_t, 0, 1); /* BOOL32 */
+    }
+}
+
+static size_t unpack(int32_t type, const void* raw, size_t n, double* values) {
+    size_t i = 0;
+    switch (type) {
+        case FLOAT32:
+            for (; i < n; ++i) values[i] = (double)((const float*)raw)[i];
+            return n;
+        case INT8:
+            UNPACK(int8_t);
+        case UINT8:
+            UNPACK(uint8_t);
+        case INT16:
+            UNPACK(int16_t);
+        case UINT16:
+            UNPACK(uint16_t);
+        case INT32:
+            UNPACK(int32_t);
+        case UINT32:
+            UNPACK(uint32_t);
+        case INT64:
+            UNPACK(int64_t);
+        case UINT64:
+            UNPACK(uint64_t);
+        case BOOL8:
+            for (; i < n; ++i) values[i] = ((const uint8_t*)raw)[i] != 0;
+            return n;
+        default: /* BOOL32 */
+            for (; i < n; ++i) values[i] = ((const int32_t*)raw)[i] != 0;
+            return n;
+    }
+}
+
+static bool execute(Plan* plan, size_t index, double time) {
+    const Call* call = &plan->calls[index];
+    plan->doing = call->kind;
+    plan->component = (int32_t)call->component;
+    if (call->kind == SOLVE) {
+        const int raised = plan->callback(SOLVE, (int32_t)call->component, time, 0);
+        return raised ? fail(plan, RAISED, SOLVE, call->component, index, 0, 0) : true;
+    }
+    const Component* c = &plan->components[call->component];
+    const size_t n = call->n_values;
+    void* data = call->raw ? call->raw : call->values;
+    if (call->kind == SET) {
+        gather(plan->signals, call->pieces, call->n_pieces, call->values);
+        const size_t bad = call->raw     ? pack(call->type, call->values, n, call->raw)
+                           : call->plain ? n
+                                         : first_not_finite(call->values, n);
+        if (bad < n) {
+            return fail(plan, isnan(call->values[bad]) ? NOT_MAPPED : DOES_NOT_FIT, SET, call->component, index, 0,
+                        bad);
         }
     }
-    return true;
-}
-
-static bool do_steps(Plan* plan, double time, double step) {
-    for (size_t i = 0; i < plan->n_components; ++i) {
-        const Component* c = &plan->components[i];
-        bool event = false, terminate = false, early = false;
-        double last = time;
-        const int status = c->fmi == 2
-                               ? c->do_step.fmi2(c->instance, time, step, 1)
-                               : c->do_step.fmi3(c->instance, time, step, true, &event, &terminate, &early, &last);
-        if (!good(status)) return fail(plan, STATUS, DO_STEP, i, 0, status, 0);
-        if (terminate) return fail(plan, TERMINATED, DO_STEP, i, 0, status, 0);
-        if (early) return fail(plan, EARLY_RETURN, DO_STEP, i, 0, status, 0);
+    const int status = c->fmi == 2 ? call->access.fmi2(c->instance, call->references, call->n_references, data)
+                                   : call->access.fmi3(c->instance, call->references, call->n_references, data, n);
+    if (!good(status)) return fail(plan, STATUS, call->kind, call->component, index, status, 0);
+    if (call->kind == GET) {
+        if (call->raw) {
+            const size_t bad = unpack(call->type, call->raw, n, call->values);
+            if (bad < n) return fail(plan, DOES_NOT_FIT, GET, call->component, index, status, bad);
+        }
+        const size_t bad = first_not_finite(call->values, n);
+        if (bad < n) return fail(plan, NOT_FINITE, GET, call->component, index, status, bad);
     }
     return true;
 }
 
-EXPORT bool adcs_propagate(Plan* plan) { return propagate(plan); }
+/* A division costs as much as a small call; nearly always there is none to be made. */
+static bool due(const Component* c, int64_t k) { return c->every == 1 || k % c->every == 0; }
 
-/* Rows first .. first+count-1 of a co-simulation whose last row is `last`: propagate at t_k = start + k*step, record,
- * step on (not from the last row). Returns the number of rows written; fewer than count, or a reason in the failure,
- * say that a call failed. */
-EXPORT int64_t adcs_steps(Plan* plan, double start, double step, int64_t first, int64_t count, int64_t last,
-                          double* rows) {
+static bool propagate(Plan* plan, int64_t k, double time) {
+    for (size_t i = 0; i < plan->n_calls; ++i) {
+        const Call* call = &plan->calls[i];
+        if (call->kind != SOLVE && !due(&plan->components[call->component], k)) continue;
+        if (!execute(plan, i, time)) return false;
+    }
+    return true;
+}
+
+static bool do_step(Plan* plan, size_t i, double time, double step) {
+    const Component* c = &plan->components[i];
+    plan->doing = DO_STEP;
+    plan->component = (int32_t)i;
+    if (!c->do_step.fmi2) {
+        const int raised = plan->callback(DO_STEP, (int32_t)i, time, step);
+        return raised ? fail(plan, RAISED, DO_STEP, i, 0, 0, 0) : true;
+    }
+    bool event = false, terminate = false, early = false;
+    double last = time;
+    const int status = c->fmi == 2 ? c->do_step.fmi2(c->instance, time, step, 1)
+                                   : c->do_step.fmi3(c->instance, time, step, true, &event, &terminate, &early, &last);
+    if (!good(status)) return fail(plan, STATUS, DO_STEP, i, 0, status, 0);
+    if (terminate) return fail(plan, TERMINATED, DO_STEP, i, 0, status, 0);
+    if (early) return fail(plan, EARLY_RETURN, DO_STEP, i, 0, status, 0);
+    return true;
+}
+
+static void arrive(Plan* plan, int64_t k) {
+    for (size_t i = 0; i < plan->n_delays; ++i) {
+        const Delay* d = &plan->delays[i];
+        memcpy(plan->signals + d->to, d->history + (size_t)(k % d->steps) * d->n, d->n * sizeof(double));
+    }
+}
+
+static void leave(Plan* plan, int64_t k) {
+    for (size_t i = 0; i < plan->n_delays; ++i) {
+        const Delay* d = &plan->delays[i];
+        memcpy(d->history + (size_t)(k % d->steps) * d->n, plan->signals + d->from, d->n * sizeof(double));
+    }
+}
+
+EXPORT bool adcs_propagate(Plan* plan, int64_t k, double time) {
     plan->failure.reason = 0;
-    for (int64_t k = first; k < first + count; ++k) {
-        const double time = start + (double)k * step;
-        if (!propagate(plan)) return k - first;
-        rows = gather(plan->signals, plan->record, plan->n_record, rows);
-        if (k < last && !do_steps(plan, time, step)) return k - first + 1;
+    arrive(plan, k);
+    return propagate(plan, k, time);
+}
+
+/* From k to k+1. A component whose next communication point lies beyond `last` is not asked to go there. */
+static bool move_on(Plan* plan, int64_t k, int64_t last, double time, double step) {
+    leave(plan, k);
+    for (size_t i = 0; i < plan->n_components; ++i) {
+        const int64_t every = plan->components[i].every;
+        if (!due(&plan->components[i], k) || k + every > last) continue;
+        if (!do_step(plan, i, time, (double)every * step)) return false;
     }
-    return count;
+    return true;
+}
+
+EXPORT bool adcs_move_on(Plan* plan, int64_t k, int64_t last, double time, double step) {
+    plan->failure.reason = 0;
+    return move_on(plan, k, last, time, step);
+}
+
+/* Points first .. first+count-1 of a co-simulation whose last point is `last`: take what comes from outside (a row of
+ * n_external values for each point, or null), propagate at t_k = start + k*step, record every record_every-th point,
+ * move on (not from the last one). plan->k says where it ended: at first+count, or before it where a call failed or it
+ * was told to stop. Returns the number of rows written. */
+EXPORT int64_t adcs_steps(Plan* plan, double start, double step, int64_t first, int64_t count, int64_t last,
+                          const double* external, double* rows) {
+    int64_t written = 0;
+    plan->failure.reason = 0;
+    for (int64_t k = first; k < first + count && !plan->stop; ++k) {
+        const double time = start + (double)k * step;
+        plan->k = k;
+        if (external) {
+            memcpy(plan->signals, external, plan->n_external * sizeof(double));
+            external += plan->n_external;
+        }
+        arrive(plan, k);
+        if (!propagate(plan, k, time)) return written;
+        if (plan->record_every == 1 || k % plan->record_every == 0) {
+            rows = gather(plan->signals, plan->record, plan->n_record, rows);
+            ++written;
+        }
+        if (k < last && !move_on(plan, k, last, time, step)) return written;
+        plan->k = k + 1;
+    }
+    return written;
 }
 
 /* All components as one ordinary differential equation: values at (time, states), then the derivatives, if wanted, and
  * the row, if wanted. Returns false when a call failed. */
 EXPORT bool adcs_evaluate(Plan* plan, double time, const double* states, double* derivatives, double* row) {
     const double* x = states;
+    plan->failure.reason = 0;
     for (size_t i = 0; i < plan->n_components; ++i) {
         const Component* c = &plan->components[i];
         int status = c->set_time(c->instance, time);
@@ -163,7 +369,7 @@ EXPORT bool adcs_evaluate(Plan* plan, double time, const double* states, double*
         if (!good(status)) return fail(plan, STATUS, SET_STATES, i, 0, status, 0);
         x += c->n_states;
     }
-    if (!propagate(plan)) return false;
+    if (!propagate(plan, 0, time)) return false;
     if (row) gather(plan->signals, plan->record, plan->n_record, row);
     for (size_t i = 0; derivatives && i < plan->n_components; ++i) {
         const Component* c = &plan->components[i];

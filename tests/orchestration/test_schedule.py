@@ -1,18 +1,19 @@
 """The order of calls: nothing is fetched before what it depends on was set, in as few calls as possible."""
 
+from time import process_time
+
 import pytest
 
 from fmus.errors import AdcsError
-from orchestration.schedule import schedule
-from orchestration.system import Connection
+from orchestration.schedule import Name, schedule, split
 
 
 def order(connections: dict[str, str], depends: dict[str, list[str]], record: list[str] = []) -> list[str]:  # noqa: B006
     """Schedule source -> target; return `set c.a,b` and `get c.a,b`."""
     operations = schedule(
-        [Connection(*pair) for pair in connections.items()],
+        {split(target): [split(source)] for source, target in connections.items()},
         lambda name: depends.get(".".join(name), []),
-        [tuple(name.split(".")) for name in record],  # type: ignore[misc]
+        [split(name) for name in record],
     )
     return [f"{o.kind} {o.component}.{','.join(o.variables)}" for o in operations]
 
@@ -49,8 +50,8 @@ def test_a_component_can_wait_until_all_its_inputs_are_there():
         {"c.y": ["q", "r", "m"], "sensor.m": ["w"]},
     )
     assert calls == [
-        "get plant.q,w",
         "get guide.r",
+        "get plant.q,w",
         "set sensor.w",
         "get sensor.m",
         "set c.q,r,m",
@@ -71,5 +72,51 @@ def test_recorded_outputs_come_after_their_inputs():
 
 def test_one_output_feeds_several_inputs():
     assert order({"a.y": "b.u"}, {}) == ["get a.y", "set b.u"]
-    operations = schedule([Connection("a.y", "b.u"), Connection("a.y", "c.u")], lambda name: [])
+    operations = schedule({("b", "u"): [("a", "y")], ("c", "u"): [("a", "y")]}, lambda name: [])
     assert [(o.kind, o.component) for o in operations] == [("get", "a"), ("set", "b"), ("set", "c")]
+
+
+def test_an_array_put_together_from_several_outputs_waits_for_all_of_them():
+    sources = {("c", "u"): [("a", "y"), ("b", "y")], ("b", "v"): [("a", "y")]}
+    operations = schedule(sources, lambda name: ["v"] if name == ("b", "y") else [])
+    assert [(o.kind, o.component) for o in operations] == [
+        ("get", "a"),
+        ("set", "b"),
+        ("get", "b"),
+        ("set", "c"),
+    ]
+
+
+def test_a_loop_to_be_solved_comes_after_what_it_needs_and_before_what_needs_it():
+    through: dict[Name, list[str]] = {("a", "y"): ["u", "r"], ("b", "y"): ["u"], ("d", "y"): ["u"]}
+    sources = {
+        ("a", "u"): [("b", "y")],
+        ("b", "u"): [("a", "y")],
+        ("a", "r"): [("guide", "r")],
+        ("d", "u"): [("b", "y")],
+        ("e", "u"): [("d", "y")],
+    }
+    operations = schedule(sources, lambda name: through.get(name, []), solve_loops=True)
+    kinds = [(o.kind, o.component, o.variables) for o in operations]
+    assert kinds == [
+        ("get", "guide", ("r",)),
+        ("set", "a", ("r",)),
+        ("solve", "", ()),
+        ("set", "d", ("u",)),
+        ("get", "d", ("y",)),
+        ("set", "e", ("u",)),
+    ]
+    inside = [(o.kind, o.component, o.variables) for o in operations[2].inside]
+    assert inside == [("set", "b", ("u",)), ("set", "a", ("u",)), ("get", "b", ("y",)), ("get", "a", ("y",))]
+
+
+def test_the_time_to_schedule_a_long_ring_grows_with_its_length():
+    def seconds(n: int) -> float:
+        ring: dict[Name, list[Name]] = {(f"c{i}", "u"): [(f"c{(i + 1) % n}", "y")] for i in range(n)}
+        began = process_time()
+        operations = schedule(ring, lambda name: [] if name == ("c0", "y") else ["u"])
+        assert len(operations) == 2 * n
+        return process_time() - began
+
+    seconds(1000)
+    assert min(seconds(8000) for _ in range(3)) < 20 * min(seconds(1000) for _ in range(3))

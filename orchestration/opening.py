@@ -1,0 +1,61 @@
+"""From a system to initialised instances of its components."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+from orchestration.fmu import FmiVersion, Kind, extracted
+from orchestration.instance import Instance
+from orchestration.loops import Loops, LoopSolver
+from orchestration.plan import make_plan
+from orchestration.propagation import execute
+from orchestration.system import System
+
+
+@contextmanager
+def initialised(
+    system: System,
+    kind: Kind,
+    start_time: float,
+    stop_time: float,
+    version: FmiVersion = "2.0",
+    *,
+    external: Sequence[str] = (),
+    solver: LoopSolver | None = None,
+) -> Iterator[dict[str, Instance]]:
+    """Instantiate and initialise all components, values propagated along the connections; frees them at the end.
+
+    Inputs in `external` keep their start values; `solver` solves algebraic loops, which are refused without it.
+    """
+    system.check(external)
+    fmus = {c.name: c.open(version) for c in system.components.values()}
+    starts = {c.name: c.start for c in system.components.values()}
+    plan = make_plan(fmus, system.connections, initial=True, starts=starts, solve_loops=solver is not None)
+    with ExitStack() as stack:
+        instances: dict[str, Instance] = {}
+        folders: dict[str, tuple[Path, Path]] = {}
+        for name, fmu in fmus.items():
+            # a second copy of the file is a second library, which an FMU with global data needs
+            alone = fmu.interface(kind).canBeInstantiatedOnlyOncePerProcess
+            key = f"{fmu.sha256} {name if alone else ''}"
+            if key not in folders:
+                folders[key] = stack.enter_context(extracted(fmu, kind))
+            instance = Instance(name, fmu, kind, *folders[key])
+            stack.push(lambda kind_of_error, _, __, instance=instance: instance.close(healthy=kind_of_error is None))
+            instances[name] = instance
+        for component in system.components.values():
+            for variable, values in component.start.items():
+                instances[component.name].set_start(fmus[component.name].ports[variable], values)
+        for instance in instances.values():
+            instance.enter_initialization(start_time, stop_time)
+        loops = Loops(plan, instances, solver or LoopSolver(), initial=True)
+        for call in plan.calls:
+            if call.kind == "solve":
+                loops.solve(call.loop)
+            else:
+                execute(call, plan.signals, instances)
+        for instance in instances.values():
+            instance.exit_initialization()
+        yield instances

@@ -1,0 +1,80 @@
+"""The compiled stepping loop's twin in Python: the same calls one by one, for the same result to the last bit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from orchestration.instance import CallFailed, Instance, failing_at
+from orchestration.plan import Floats, Plan
+from orchestration.propagation import Ring, action_of, due, execute
+
+
+class PythonLoop:
+    """A plan with its instances, used as `Engine` is."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        instances: Mapping[str, Instance],
+        *,
+        rings: tuple[Ring, ...] = (),
+        record_every: int = 1,
+        solve: Callable[[int], None] | None = None,
+    ) -> None:
+        self._plan, self._instances, self._rings = plan, instances, rings
+        self._record_every, self._solve = record_every, solve
+        self._stopped = False
+        self.doing = (0, "", "")
+
+    def stop(self) -> None:
+        """Let `steps` return before its next point; to be called from another thread."""
+        self._stopped = True
+
+    def propagate(self, k: int = 0, time: float = 0.0) -> None:
+        """Execute the get and set calls of point k once."""
+        for ring in self._rings:
+            ring.arrive(k, self._plan.signals)
+        with failing_at(time):
+            for call in self._plan.calls:
+                if not due(self._plan, call, k):
+                    continue
+                if call.kind == "solve":
+                    self.doing = k, "", "solving an algebraic loop"
+                    assert self._solve is not None
+                    self._solve(call.loop)
+                else:
+                    self.doing = k, call.component, action_of(call)
+                    execute(call, self._plan.signals, self._instances)
+
+    def move_on(self, k: int, last: int, time: float, step: float) -> None:
+        """Step all components on from point k; none beyond point `last`."""
+        for ring in self._rings:
+            ring.leave(k, self._plan.signals)
+        with failing_at(time):
+            for name, instance in self._instances.items():
+                every = self._plan.every.get(name, 1)
+                if k % every == 0 and k + every <= last:
+                    self.doing = k, name, "doStep"
+                    instance.do_step(time, every * step)
+
+    def steps(
+        self, start: float, step: float, first: int, count: int, last: int, external: Floats | None, rows: Floats
+    ) -> tuple[int, int, CallFailed | None]:
+        """Co-simulate from point `first` to before point `first + count`; do not step on from point `last`."""
+        written = 0
+        for k in range(first, first + count):
+            if self._stopped:
+                return k, written, None
+            time = start + k * step
+            if external is not None:
+                self._plan.signals[: self._plan.n_external] = external[k - first]
+            try:
+                self.propagate(k, time)
+                if k % self._record_every == 0:
+                    rows[written] = self._plan.signals[self._plan.row]
+                    written += 1
+                if k < last:
+                    self.move_on(k, last, time, step)
+            except CallFailed as failed:
+                return k, written, failed
+        return first + count, written, None

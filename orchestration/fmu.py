@@ -7,9 +7,9 @@ import posixpath
 import re
 import tempfile
 import zipfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import product
 from math import prod
@@ -21,6 +21,7 @@ from fmpy.model_description import ModelDescription, ModelVariable, Unknown, Val
 
 from fmus import paths
 from fmus.errors import AdcsError
+from orchestration.description import Clock, Extras, for_fmpy, read_extras, read_xml
 
 FmiVersion = Literal["2.0", "3.0"]
 Kind = Literal["co-simulation", "model-exchange"]
@@ -34,12 +35,18 @@ _AGAIN = "build or download it again"
 _ELEMENT = re.compile(r"(der\()?(?P<base>.+)\[(?P<index>\d+(?:\s*,\s*\d+)*)\](?(1)\))")
 
 
+class _Unsupported(Exception):
+    """A version of FMI that cannot be run."""
+
+
 @dataclass(frozen=True)
 class Port:
     """One variable of an FMU; scalars `x[1]..x[n]`, `J[1,1]..` of FMI 2 are united to one array, as FMI 3 has them.
 
     `references` holds one value reference per element in FMI 2 and one per array in FMI 3; elements are row-major.
     `start` is flat, `None` where the FMU gives no value. `type` is the FMI 3 name (`Float64`, `Int32`, `Boolean` ...).
+    An enumeration is an integer with `items`, pairs of name and number. A clock is a Boolean: whether it has ticked
+    since the communication point before; a clock that is ticked at known times is local, as no one else may tick it.
     """
 
     name: str
@@ -52,6 +59,7 @@ class Port:
     references: tuple[int, ...]
     start: tuple[Any, ...] | None
     description: str
+    items: tuple[tuple[str, int], ...] = ()
 
     @property
     def size(self) -> int:
@@ -85,6 +93,33 @@ class Fmu:
     dependencies: Mapping[str, frozenset[str]]
     initial_dependencies: Mapping[str, frozenset[str]]
     states: tuple[str, ...]
+    clocks: tuple[Clock, ...] = ()
+    clocked: Mapping[int, frozenset[int]] = field(default_factory=dict)
+    """The clocks (references) to which a clocked variable (reference) belongs: it has no value of its own between."""
+
+    def configured(self, start: Mapping[str, Sequence[Any]]) -> Fmu:
+        """Return the FMU with the array sizes that the structural parameters among these start values ask for."""
+        sizes = {
+            self.ports[name].references[0]: int(values[0])
+            for name, values in start.items()
+            if self.ports[name].causality == "structuralParameter"
+        }
+        if not sizes:
+            return self
+        if min(sizes.values()) < 1:
+            name = next(p.name for p in self.ports.values() if sizes.get(p.references[0], 1) < 1)
+            raise AdcsError(f"{name} = {start[name][0]}: expected a size from 1")
+        ports = dict(self.ports)
+        for variable in self.model.modelVariables:
+            if any(d.valueReference in sizes for d in variable.dimensions):
+                old = self.ports[variable.name]
+                shape = tuple(
+                    sizes.get(d.valueReference, n) for d, n in zip(variable.dimensions, old.shape, strict=True)
+                )
+                values = set(old.start or ())
+                same = tuple(values) * prod(shape) if len(values) == 1 else None
+                ports[old.name] = replace(old, shape=shape, start=same)
+        return replace(self, ports=ports, states=_states(self.model, ports))
 
     @property
     def major_version(self) -> int:
@@ -94,6 +129,10 @@ class Fmu:
     def interface(self, kind: Kind) -> Any:
         """Return the description of the interface type; refuse an FMU that does not have it."""
         found = self.model.coSimulation if kind == "co-simulation" else self.model.modelExchange
+        if found is None and not (self.model.coSimulation or self.model.modelExchange):
+            raise AdcsError(
+                f"{self.path.name} has scheduled execution only, which is not supported: export it otherwise"
+            )
         if found is None:
             other = "model-exchange" if kind == "co-simulation" else "co-simulation"
             raise AdcsError(f"{self.path.name} has no {kind} interface: run the system with method {other!r}")
@@ -133,14 +172,22 @@ def _open(path: Path, modified: int, size: int) -> Fmu:
     if "modelDescription.xml" not in names:
         raise AdcsError(f"{path} has no modelDescription.xml: it is no FMU")
     try:
-        model = fmpy.read_model_description(str(path))
+        xml = read_xml(path)
+        version = xml.get("fmiVersion")
+        if version not in ("2.0", "3.0"):
+            raise _Unsupported
+        model = fmpy.read_model_description(for_fmpy(path, xml))
+    except _Unsupported:
+        raise AdcsError(f"{path} is FMI {version}: only 2.0 and 3.0 are supported") from None
     except ValidationError as error:
         raise AdcsError(f"{path} is not valid: {_one_line(error.problems[0])}") from error
     except Exception as error:  # of zipfile, zlib, lxml or fmpy
         raise AdcsError(f"cannot read modelDescription.xml of {path} ({_one_line(error)}): {_AGAIN}") from error
-    if model.fmiMajorVersion not in (2, 3):
-        raise AdcsError(f"{path} is FMI {model.fmiVersion}: only 2.0 and 3.0 are supported")
-    ports, port_of = _unite(model)
+    extras = read_extras(xml) if model.fmiMajorVersion == 3 else Extras()
+    try:
+        ports, port_of = _unite(model, extras)
+    except ValueError as error:
+        raise AdcsError(f"{path} is not valid: {error}") from error
     inputs = frozenset(p.name for p in ports.values() if p.causality == "input")
     return Fmu(
         path=path,
@@ -149,11 +196,21 @@ def _open(path: Path, modified: int, size: int) -> Fmu:
         ports=ports,
         dependencies=_dependencies(model.outputs, port_of, inputs),
         initial_dependencies=_dependencies(model.initialUnknowns, port_of, inputs),
-        states=tuple(
-            name
-            for unknown in model.derivatives
-            for name in element_names(unknown.variable.derivative.name, unknown.variable.shape)
-        ),
+        states=_states(model, ports),
+        clocks=extras.clocks,
+        clocked=extras.clocked,
+    )
+
+
+def _states(model: ModelDescription, ports: Mapping[str, Port]) -> tuple[str, ...]:
+    """Name the elements of the state vector; a scalar of FMI 2 has its own name, `x[1]`, also where it is united."""
+    return tuple(
+        name
+        for unknown in model.derivatives
+        for name in element_names(
+            unknown.variable.derivative.name,
+            ports[unknown.variable.name].shape if model.fmiMajorVersion == 3 else (),
+        )
     )
 
 
@@ -196,7 +253,7 @@ def _archive_names(path: Path) -> list[str]:
         raise AdcsError(f"{path} is not a readable zip archive ({_one_line(error)}): {_AGAIN}") from error
 
 
-def _unite(model: ModelDescription) -> tuple[dict[str, Port], dict[str, str]]:
+def _unite(model: ModelDescription, extras: Extras) -> tuple[dict[str, Port], dict[str, str]]:
     """Return the ports by name, and the port to which each model variable belongs."""
     fmi2 = model.fmiMajorVersion == 2
     taken = {v.name for v in model.modelVariables}
@@ -211,7 +268,7 @@ def _unite(model: ModelDescription) -> tuple[dict[str, Port], dict[str, str]]:
         shape = members[0].shape if not fmi2 else _shape(members)
         scalars = shape is None or (base in taken and len(members) > 1)
         for name, variables in [(v.name, [v]) for v in members] if scalars else [(base, members)]:
-            ports[name] = _port(name, () if shape is None or scalars else shape, variables, fmi2)
+            ports[name] = _port(name, () if shape is None or scalars else shape, variables, fmi2, extras)
             port_of.update((v.name, name) for v in variables)
     return ports, port_of
 
@@ -232,34 +289,61 @@ def _shape(members: list[ModelVariable]) -> tuple[int, ...] | None:
     return shape if alike and indices == list(product(*(range(1, n + 1) for n in shape))) else None
 
 
-def _port(name: str, shape: tuple[int, ...], variables: list[ModelVariable], fmi2: bool) -> Port:
+def _port(name: str, shape: tuple[int, ...], variables: list[ModelVariable], fmi2: bool, extras: Extras) -> Port:
     first = variables[0]
     kind = (_FMI2_TYPES if fmi2 else _FMI3_TYPES).get(first.type, first.type)
     unit = first.unit or (first.declaredType.unit if first.declaredType is not None else None)
+    texts = [v.start for v in variables] if fmi2 else list(extras.starts.get(name, [first.start]))
+    try:
+        start = _start(texts, kind, prod(shape))
+    except ValueError as error:
+        raise ValueError(f"the start value of {name} {error}") from error
+    # of the clocks, only those that wait for a trigger have to be connected
+    timed = kind == "Clock" and first.intervalVariability != "triggered"
     return Port(
         name=name,
         shape=shape,
-        type=kind,
+        type="Boolean" if kind == "Clock" else kind,
         unit=unit,
-        causality=first.causality,
+        causality="local" if timed else first.causality,
         variability=first.variability,
-        initial=first.initial,
+        initial=None if timed else first.initial,
         references=tuple(v.valueReference for v in variables),
-        start=_start([v.start for v in variables], kind, prod(shape)),
+        start=start,
         description=first.description or "",
+        items=_items(first) if first.type == "Enumeration" else (),
     )
+
+
+def _items(variable: ModelVariable) -> tuple[tuple[str, int], ...]:
+    if variable.declaredType is None:
+        return ()
+    return tuple((item.name, int(item.value)) for item in variable.declaredType.items)
 
 
 def _start(texts: list[str | None], kind: str, size: int) -> tuple[Any, ...] | None:
     if any(t is None for t in texts):
         return None
-    if kind in ("String", "Binary"):
-        return tuple(texts)
-    words = [w for t in texts if t is not None for w in t.split()]
+    given = [t for t in texts if t is not None]
+    words = given if kind in ("String", "Binary") else [w for t in given for w in t.split()]
     if len(words) == 1:
         words *= size  # FMI 3: one value stands for all elements
-    convert: Any = float if kind.startswith("Float") else (lambda w: w in ("true", "1")) if kind == "Boolean" else int
-    return tuple(convert(w) for w in words)
+    if len(words) != size:
+        raise ValueError(f"has {len(words)} elements, the variable {size}")
+    return tuple(_CONVERT[kind](w) for w in words)
+
+
+def _boolean(word: str) -> bool:
+    return word in ("true", "1")
+
+
+_CONVERT: dict[str, Any] = {
+    "String": str,
+    "Binary": bytes.fromhex,
+    "Boolean": _boolean,
+    **dict.fromkeys(("Float32", "Float64"), float),
+    **{f"{sign}Int{bits}": int for sign in ("", "U") for bits in (8, 16, 32, 64)},
+}
 
 
 def _dependencies(

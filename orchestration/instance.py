@@ -4,22 +4,21 @@ from __future__ import annotations
 
 import itertools
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, chdir, contextmanager, suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import chdir, contextmanager, suppress
 from ctypes import byref
 from math import isfinite
 from pathlib import Path
 from threading import Lock
 from typing import Any
 
-import numpy as np
 from fmpy import calloc, fmi2, fmi3, free
 from fmpy.fmi1 import FMICallException, printLogMessage
 
 from fmus.errors import AdcsError
-from orchestration.fmu import FmiVersion, Fmu, Kind, Port, extracted
-from orchestration.plan import Call, Floats, Plan, make_plan
-from orchestration.system import System
+from orchestration.events import Events
+from orchestration.fmu import Fmu, Kind, Port
+from orchestration.stepping import Stepper
 
 _STATUS = {0: "ok", 1: "warning", 2: "discard", 3: "error", 4: "fatal", 5: "pending"}
 _CLASSES = {
@@ -28,6 +27,15 @@ _CLASSES = {
     (3, "co-simulation"): fmi3.FMU3Slave,
     (3, "model-exchange"): fmi3.FMU3Model,
 }
+_FMI2_NAMES = {"Float64": "Real", "Int32": "Integer"}
+_RANGES = {"Boolean": (0, 1)} | {
+    f"{sign}Int{bits}": (0, 2**bits - 1) if sign else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+    for bits in (8, 16, 32, 64)
+    for sign in ("", "U")
+}
+_LAST_SUCCESSFUL_TIME, _TERMINATED = 2, 3  # of fmi2StatusKind
+_WITHOUT_CATEGORY = "PythonFMU"  # whose messages of exceptions have none: they come if no categories are asked for
+_OURS = "adcs-fmus "  # generationTool of the components built here, which never discard a step
 # fmpy changes the working directory of the process while it loads a library, and leaves it so if that fails
 _loading = Lock()
 
@@ -67,12 +75,21 @@ class Instance:
         self.name = name
         self.fmu = fmu
         self.major = fmu.major_version
+        self.kind: Kind = kind
         self.messages: deque[tuple[int, str]] = deque(maxlen=20)
         self.warnings: list[str] = []
         self._alive = False
         self._fatal = False
         self._callbacks: Any = None
-        interface = fmu.interface(kind)
+        self._interface = interface = fmu.interface(kind)
+        self._events: Events | None = None
+        self._stepper: Stepper | None = None
+        clocks = ", ".join(c.name for c in fmu.clocks)
+        if clocks and (kind == "model-exchange" or not interface.hasEventMode):
+            raise AdcsError(
+                f"{name} ({fmu.path.name}) has clocks ({clocks}), which are supported in co-simulation with event mode "
+                "only: run the system with method 'co-simulation'"
+            )
         try:
             with _loading, chdir("."):
                 self.handle: Any = _CLASSES[self.major, kind](
@@ -86,26 +103,61 @@ class Instance:
                 self._callbacks = _fmi2_callbacks(self._log)
                 self.handle.instantiate(callbacks=self._callbacks)
             else:
-                self.handle.instantiate(logMessage=lambda _, status, __, text: self._log(status, text))
+                self._instantiate3(kind)
         except Exception as error:
             reason = self.last_message or _line(error)
+            if interface.needsExecutionTool:
+                reason += f"; it needs the tool that made it, {fmu.model.generationTool or 'which it does not name'}"
             raise AdcsError(f"{name}: cannot instantiate {fmu.path.name}: {reason}") from error
         self._alive = True
         self._listen()
+        if kind == "co-simulation" and self._needs_care():
+            self._stepper = Stepper(self, self._events)
+
+    def _instantiate3(self, kind: Kind) -> None:
+        settings: dict[str, Any] = {"logMessage": lambda _, status, __, text: self._log(status, text)}
+        if kind == "model-exchange":
+            self.handle.instantiate(**settings)
+            return
+        if self._interface.providesIntermediateUpdate:
+            settings["intermediateUpdate"] = _go_on
+        early = self._interface.mightReturnEarlyFromDoStep
+        try:  # an FMU with event mode but without clocks can do without, and is stepped faster then
+            events = bool(self.fmu.clocks)
+            self.handle.instantiate(eventModeUsed=events, earlyReturnAllowed=events or early, **settings)
+        except Exception:
+            if events or not self._interface.hasEventMode:
+                raise
+            events = True
+            self.handle.instantiate(eventModeUsed=True, earlyReturnAllowed=True, **settings)
+            self.messages.clear()
+        if events:
+            self._events = Events(self)
+
+    def _needs_care(self) -> bool:
+        """Whether a step may be more than one successful call of doStep."""
+        if (
+            self.asynchronous
+            or self._events is not None
+            or (self.major == 3 and self._interface.mightReturnEarlyFromDoStep)
+        ):
+            return True
+        return self.retries
 
     def _listen(self) -> None:
         """Ask for the messages that explain failures, and for no others: many FMUs are silent otherwise."""
         wanted = {"logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal", "logError"}
         categories = [c.name for c in self.fmu.model.logCategories if c.name in wanted]
-        if categories:
+        everything = (self.fmu.model.generationTool or "").startswith(_WITHOUT_CATEGORY)
+        if categories or everything:
             with suppress(FMICallException):
-                self.handle.setDebugLogging(True, categories)
+                self.handle.setDebugLogging(True, [] if everything else categories)
 
     def _log(self, status: int, text: bytes | None) -> None:
         message = _line((text or b"").decode("utf-8", "replace"))
         self.messages.append((status, message))
-        if status == 1 and len(self.warnings) < 20:
-            self.warnings.append(message)
+        if status == 1:
+            self.warn(message)
 
     @property
     def last_message(self) -> str:
@@ -113,11 +165,41 @@ class Instance:
         problems = [text for status, text in self.messages if status > 0]
         return (problems or [text for _, text in self.messages] or [""])[-1]
 
-    def failure(self, action: str, status: int) -> CallFailed:
-        """Put a failed call into words."""
+    def failure(self, action: str, status: int, more: str = "") -> CallFailed:
+        """Put a failed call into words; `more` follows the status."""
         self._fatal = self._fatal or status == 4
         reason = _STATUS.get(status, f"the unknown status {status}")
-        return CallFailed(self.name, f"{action} returned {reason}: {self.last_message or 'the FMU gave no message'}")
+        if action == "doStep" and status == 2 and self.major == 2:
+            if self.terminated:
+                return self.ended()
+            with suppress(FMICallException):
+                more += f", having got to t = {self.handle.getRealStatus(_LAST_SUCCESSFUL_TIME):.9g} s"
+        elif action == "doStep" and status == 5:
+            more += ", though it does not declare canRunAsynchronuously"
+        message = self.last_message or "the FMU gave no message"
+        return CallFailed(self.name, f"{action} returned {reason}{more}: {message}")
+
+    def wrong(self, text: str) -> CallFailed:
+        """Put into words that the FMU does something that it should not."""
+        return CallFailed(self.name, text)
+
+    def note(self, status: int, text: str) -> None:
+        """Note a message on behalf of the FMU."""
+        self._log(status, text.encode())
+
+    def warn(self, text: str, instead_of: str = "") -> None:
+        """Add a warning to those of the FMU, or put it in the place of another."""
+        if instead_of and instead_of in self.warnings:
+            self.warnings[self.warnings.index(instead_of)] = text
+        elif len(self.warnings) < 20:
+            self.warnings.append(text)
+
+    @property
+    def terminated(self) -> bool:
+        """Whether an FMI 2 FMU that has discarded a step wants the simulation to end."""
+        with suppress(FMICallException):
+            return self.major == 2 and bool(self.handle.getBooleanStatus(_TERMINATED))
+        return False
 
     def ended(self) -> CallFailed:
         """Put into words that the FMU wants the simulation to end."""
@@ -134,24 +216,114 @@ class Instance:
         except FMICallException as error:
             raise self.failure(action, error.status) from error
 
-    def get(self, references: Sequence[int], size: int, action: str = "get") -> list[float]:
-        """Get Float64 values."""
-        if self.major == 2:
-            return list(self.call(action, "getReal", references))
-        return list(self.call(action, "getFloat64", references, size))
+    def get(self, references: Sequence[int], size: int, action: str = "get", type: str = "Float64") -> list[float]:
+        """Get values of a numeric type, named as in `Port.type`; Boolean ones are 0 or 1."""
+        sizes = () if self.major == 2 else (size,)
+        return [float(v) for v in self.call(action, f"get{self._kind(type)}", references, *sizes)]
 
-    def set(self, references: Sequence[int], values: Sequence[float], action: str = "set") -> None:
-        """Set Float64 values."""
-        self.call(action, "setReal" if self.major == 2 else "setFloat64", references, values)
+    def set(
+        self, references: Sequence[int], values: Sequence[float], action: str = "set", type: str = "Float64"
+    ) -> None:
+        """Set values of a numeric type, named as in `Port.type`; a number that the type does not hold is refused."""
+        if not type.startswith("Float"):
+            values = [self._whole(value, action, type) for value in values]
+        self.call(action, f"set{self._kind(type)}", references, values)
+
+    def _kind(self, type: str) -> str:
+        return _FMI2_NAMES.get(type, type) if self.major == 2 else type
+
+    def _whole(self, value: float, action: str, type: str) -> int:
+        low, high = _RANGES[type]
+        if not (low <= value <= high and value == int(value)):
+            raise CallFailed(self.name, f"{action}: {value!r} is not a value of type {type}")
+        return int(value)
 
     def set_start(self, port: Port, values: Sequence[Any]) -> None:
-        """Set a start value of any type."""
-        kind = {"Float64": "Real", "Int32": "Integer"}.get(port.type, port.type) if self.major == 2 else port.type
+        """Set a start value of any type; structural parameters come first."""
         shown = ", ".join(map(str, values[:12])) + (", ..." if len(values) > 12 else "")
-        self.call(f"setting {port.name} = {shown}", f"set{kind}", port.references, values)
+        action = f"setting {port.name} = {shown}"
+        structural = port.causality == "structuralParameter"
+        if structural:
+            self.call(action, "enterConfigurationMode")
+        self.call(action, f"set{self._kind(port.type)}", port.references, values)
+        if structural:
+            self.call(action, "exitConfigurationMode")
+
+    @property
+    def can_save(self) -> bool:
+        """Whether `save` and `restore` may be called."""
+        return bool(self._interface.canGetAndSetFMUstate)
+
+    @property
+    def can_vary_step(self) -> bool:
+        """Whether communication steps may be of different sizes."""
+        return bool(self._interface.canHandleVariableCommunicationStepSize)
+
+    @property
+    def asynchronous(self) -> bool:
+        """Whether doStep may return before the step is done."""
+        return self.major == 2 and bool(self._interface.canRunAsynchronuously)
+
+    @property
+    def retries(self) -> bool:
+        """Whether a step that is discarded is retried in smaller ones, for which the state is saved before each."""
+        return self.can_save and self.can_vary_step and not (self.fmu.model.generationTool or "").startswith(_OURS)
+
+    @property
+    def can_serialize(self) -> bool:
+        """Whether a saved state can be made into bytes and back."""
+        return self.can_save and bool(self._interface.canSerializeFMUstate)
+
+    def directional_derivative(
+        self, unknowns: Sequence[int], knowns: Sequence[int], seed: Sequence[float], size: int
+    ) -> list[float]:
+        """Return (size,): how the unknown variables change as the known ones change by `seed`."""
+        sizes = () if self.major == 2 else (size,)
+        action = "getting directional derivatives"
+        return list(self.call(action, "getDirectionalDerivative", unknowns, knowns, seed, *sizes))
+
+    def save(self) -> Any:
+        """Return the complete present state, to be given to `restore`, any number of times, and then to `free`."""
+        state = self.call("saving the state", "getFMUState")
+        return state if self._events is None else (state, self._events.snapshot())
+
+    def restore(self, state: Any) -> None:
+        """Return to a saved state of this instance."""
+        if self._events is not None:
+            state, snapshot = state
+            self._events.restore(snapshot)
+        self.call("restoring a state", "setFMUState", state)
+
+    def free(self, state: Any) -> None:
+        """Give back the memory of a saved state."""
+        self.call("freeing a state", "freeFMUState", state if self._events is None else state[0])
+
+    def serialize(self, state: Any) -> bytes:
+        """Return a saved state as bytes, which another instance of the same FMU understands."""
+        if self._events is None:
+            return bytes(self.call("serializing a state", "serializeFMUState", state))
+        content = self.call("serializing a state", "serializeFMUState", state[0])
+        events = self._events.to_bytes(state[1])
+        return len(events).to_bytes(8, "little") + events + bytes(content)
+
+    def deserialize(self, content: bytes) -> Any:
+        """Return the saved state that the bytes hold."""
+        if self._events is None:
+            return self.call("deserializing a state", "deserializeFMUState", content)
+        end = 8 + int.from_bytes(content[:8], "little")
+        state = self.call("deserializing a state", "deserializeFMUState", content[end:])
+        return state, self._events.from_bytes(content[8:end])
+
+    @property
+    def special(self) -> bool:
+        """Whether steps must go through `do_step` here: the FMU's own doStep is not all that there is to them."""
+        return self._stepper is not None
 
     def do_step(self, time: float, step: float) -> None:
         """Co-Simulation: step on from `time`."""
+        if self._stepper is not None:
+            self._stepper.step(time, step)
+            return
         ended = self.call("doStep", "doStep", time, step)
         if self.major == 3:
             _, terminate, early, _ = ended
@@ -163,21 +335,34 @@ class Instance:
     def enter_initialization(self, start_time: float, stop_time: float) -> None:
         """Enter initialisation mode."""
         action = "entering initialisation"
+        self._start_time = start_time
         times = {"startTime": start_time, "stopTime": stop_time if isfinite(stop_time) else None}
         if self.major == 2:
             self.call(action, "setupExperiment", **times)
             self.call(action, "enterInitializationMode")
         else:
             self.call(action, "enterInitializationMode", **times)
+            if self._events is not None:
+                self._events.initialise()
 
     def exit_initialization(self) -> None:
         """Leave initialisation mode."""
+        if self._events is not None:
+            self._events.prepare(self._start_time)
         self.call("initialisation", "exitInitializationMode")
+        if self._events is not None:
+            self._events.begin(self._start_time)
+
+    def abandon(self) -> None:
+        """Never call it again: a call of it is still going on."""
+        self._fatal = True
 
     def close(self, *, healthy: bool) -> None:
         """Terminate, when nothing has failed, and free the instance; a fatal failure forbids any further call."""
         if self._alive and not self._fatal:
             self._alive = False
+            if self._stepper is not None:
+                self._stepper.close()
             if healthy:
                 with suppress(FMICallException):
                     self.handle.terminate()
@@ -186,60 +371,9 @@ class Instance:
             _loggers.pop(self._callbacks.componentEnvironment, None)
 
 
-def propagate(plan: Plan, instances: Mapping[str, Instance]) -> None:
-    """Execute the calls of a plan through fmpy's own methods."""
-    for call in plan.calls:
-        instance = instances[call.component]
-        if call.kind == "set":
-            instance.set(call.references, plan.signals[call.where].tolist(), action_of(call))
-        else:
-            values = instance.get(call.references, len(call.where), action_of(call))
-            check_finite(instance.name, call.elements, values)
-            plan.signals[call.where] = values
-
-
-def action_of(call: Call) -> str:
-    """Name a get or set call by its variables."""
-    variables = dict.fromkeys(e.partition("[")[0] for e in call.elements)
-    return f"{call.kind}ting {', '.join(variables)}"
-
-
-def check_finite(component: str, elements: Sequence[str], values: Sequence[float] | Floats) -> None:
-    """Refuse NaN and infinity by the name of the variable."""
-    for element, value in zip(elements, values, strict=True):
-        if not np.isfinite(value):
-            raise CallFailed(component, f"{element} is {value}")
-
-
-@contextmanager
-def initialised(
-    system: System, kind: Kind, start_time: float, stop_time: float, version: FmiVersion = "2.0"
-) -> Iterator[dict[str, Instance]]:
-    """Instantiate and initialise all components, values propagated along the connections; frees them at the end."""
-    system.check()
-    fmus = {c.name: c.open(version) for c in system.components.values()}
-    plan = make_plan(fmus, system.connections, initial=True)
-    with ExitStack() as stack:
-        instances: dict[str, Instance] = {}
-        folders: dict[str, tuple[Path, Path]] = {}
-        for name, fmu in fmus.items():
-            # a second copy of the file is a second library, which an FMU with global data needs
-            alone = fmu.interface(kind).canBeInstantiatedOnlyOncePerProcess
-            key = f"{fmu.sha256} {name if alone else ''}"
-            if key not in folders:
-                folders[key] = stack.enter_context(extracted(fmu, kind))
-            instance = Instance(name, fmu, kind, *folders[key])
-            stack.push(lambda kind_of_error, _, __, instance=instance: instance.close(healthy=kind_of_error is None))
-            instances[name] = instance
-        for component in system.components.values():
-            for variable, values in component.start.items():
-                instances[component.name].set_start(fmus[component.name].ports[variable], values)
-        for instance in instances.values():
-            instance.enter_initialization(start_time, stop_time)
-        propagate(plan, instances)
-        for instance in instances.values():
-            instance.exit_initialization()
-        yield instances
+def _go_on(*arguments: Any) -> None:
+    """Answer an intermediate update: no early return is asked for."""
+    arguments[6][0] = False
 
 
 _loggers: dict[int, Callable[[int, bytes | None], None]] = {}

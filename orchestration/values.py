@@ -13,9 +13,12 @@ from orchestration.fmu import Fmu, Port
 
 def parse_value(fmu: Fmu, port: Port, text: str) -> Any:
     """`0.05deg` -> 0.000872.., `1,2,3` and `[[1,2],[3,4]]` -> arrays. Without a unit the value is in the port's own."""
-    if port.type == "String":
+    if port.type in ("String", "Binary"):
         return text
     words = text.strip()
+    names = {name for name, _ in port.items}
+    if names.issuperset(entries := [entry.strip() for entry in words.split(",")]):
+        return entries if port.shape else entries[0]
     factor, offset = 1.0, 0.0
     units = _units(fmu, port)
     for unit in sorted(units, key=len, reverse=True):

@@ -1,7 +1,10 @@
 /* y = 1, until `from`; then what `mode` says goes wrong */
+#define _POSIX_C_SOURCE 199309L
 #include "mock.h"
 
-enum { FINE, ERROR, NOT_A_NUMBER, STRANGE, DISCARD, GET_ERROR, TERMINATE, INITIAL_ERROR, WARNING };
+#include <time.h>
+
+enum { FINE, ERROR, NOT_A_NUMBER, STRANGE, DISCARD, GET_ERROR, TERMINATE, INITIAL_ERROR, WARNING, HANG };
 
 static int now(const Mock *m, int what, double t) { return m->v[mode] == what && t >= m->v[from]; }
 
@@ -17,6 +20,7 @@ static int step(Mock *m, double t, double h) {
     if (now(m, STRANGE, t)) return 99;
     if (now(m, DISCARD, t)) return 2;
     if (now(m, WARNING, t)) return say(m, 1, "the wheel squeaks");
+    while (now(m, HANG, t)) nanosleep(&(struct timespec){0, 10000000}, NULL);
     m->terminate = now(m, TERMINATE, t);
     m->v[x] += h * m->v[y];
     return 0;

@@ -1,0 +1,110 @@
+"""What fmpy leaves out of a modelDescription.xml of FMI 3.0: clocks, start values of text and binary arrays."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+TIME_BASED = ("constant", "fixed", "tunable", "changing", "countdown")
+PERIODIC = ("constant", "fixed", "tunable")
+
+
+@dataclass(frozen=True)
+class Clock:
+    """A clock of an FMU.
+
+    `kind` is its intervalVariability; `interval` and `shift` (s) are exact where the file gives them as fractions,
+    None where the FMU has to be asked. `fractional` says that the FMU can be asked for fractions.
+    """
+
+    name: str
+    reference: int
+    causality: str
+    kind: str
+    interval: Fraction | float | None
+    shift: Fraction | float
+    fractional: bool
+
+    @property
+    def time_based(self) -> bool:
+        """Whether the importer ticks it at times that it knows beforehand."""
+        return self.causality == "input" and self.kind in TIME_BASED
+
+
+@dataclass(frozen=True)
+class Extras:
+    """`starts`: the texts of String and Binary variables by name; `clocked`: the clocks of variables, by reference."""
+
+    clocks: tuple[Clock, ...] = ()
+    clocked: Mapping[int, frozenset[int]] = field(default_factory=dict)
+    starts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+def read_xml(path: Path) -> Any:
+    """Return the root of the modelDescription.xml of an FMU."""
+    with zipfile.ZipFile(path) as archive:
+        return etree.fromstring(archive.read("modelDescription.xml"))
+
+
+def for_fmpy(path: Path, root: Any) -> str | io.BytesIO:
+    """Return what fmpy can read of an FMU, without what it stumbles over though it is valid.
+
+    That is a declared type of a clock, and more than one space between the entries of a list.
+    """
+    cleaned = False
+    for element in root.iter("Clock"):
+        cleaned = element.attrib.pop("declaredType", None) is not None or cleaned
+    for element in root.iter():
+        for name in ("dependencies", "dependenciesKind", "clocks"):
+            text = element.get(name)
+            if text is not None and text != " ".join(text.split()):
+                element.set(name, " ".join(text.split()))
+                cleaned = True
+    if not cleaned:
+        return str(path)
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
+        archive.writestr("modelDescription.xml", etree.tostring(root))
+    return content
+
+
+def read_extras(root: Any) -> Extras:
+    """Find them in a description that is known to be valid."""
+    variables = [element for element in root.find("ModelVariables") if isinstance(element.tag, str)]
+    clocked = {}
+    starts = {}
+    for element in variables:
+        if element.get("clocks"):
+            clocked[int(element.get("valueReference"))] = frozenset(int(r) for r in element.get("clocks").split())
+        texts = tuple(start.get("value", "") for start in element.findall("Start"))
+        if texts:
+            names = [element.get("name"), *(alias.get("name") for alias in element.findall("Alias"))]
+            starts.update(dict.fromkeys(names, texts))
+    return Extras(tuple(_clock(e) for e in variables if e.tag == "Clock"), clocked, starts)
+
+
+def _clock(element: Any) -> Clock:
+    interval: Fraction | float | None = None
+    shift: Fraction | float = float(element.get("shiftDecimal", "0"))
+    resolution = element.get("resolution")
+    if resolution is not None and element.get("intervalCounter") is not None:
+        interval = Fraction(int(element.get("intervalCounter")), int(resolution))
+        shift = Fraction(int(element.get("shiftCounter", "0")), int(resolution))
+    elif element.get("intervalDecimal") is not None:
+        interval = float(element.get("intervalDecimal"))
+    return Clock(
+        name=element.get("name"),
+        reference=int(element.get("valueReference")),
+        causality=element.get("causality", "local"),
+        kind=element.get("intervalVariability"),
+        interval=interval,
+        shift=shift,
+        fractional=element.get("supportsFraction") in ("true", "1"),
+    )

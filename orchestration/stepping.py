@@ -1,0 +1,167 @@
+"""Communication steps of FMUs that do not simply take them: asynchronous, discarding, returning early, with events."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from contextlib import suppress
+from ctypes import byref, c_bool, c_double, c_void_p
+from math import inf, nextafter
+from typing import TYPE_CHECKING
+
+from fmpy.fmi1 import FMICallException
+
+from orchestration.events import Events
+
+if TYPE_CHECKING:
+    from orchestration.instance import Instance
+
+DISCARD, PENDING = 2, 5
+_DO_STEP_STATUS = 0  # fmi2DoStepStatus
+_MAX_HALVINGS = 12
+_MAX_STANDING = 100  # returns in a row that do not get on
+_SNAP = 1e-9  # of a step: closer times are the same
+_PATIENCE = 2e-4  # s, between two looks at an asynchronous step
+
+
+class _Discarded(Exception):
+    """The FMU did not take the step."""
+
+
+class Stepper:
+    """Takes the communication steps of one instance."""
+
+    def __init__(self, instance: Instance, events: Events | None) -> None:
+        self._instance = instance
+        self._handle = instance.handle
+        self._events = events
+        self._retries = instance.retries
+        self._discarded, self._warning = 0, ""
+        self._before = c_void_p()  # the state that a discarded step returns to; its memory is used again
+        self._bind()
+
+    def _bind(self) -> None:
+        """Bind the two calls that every step makes: through fmpy's methods they would take several times as long."""
+        functions = getattr(self._handle, "_functions")  # noqa: B009 - what fmpy loaded
+        component, keeps = self._handle.component, int(not self._retries)
+        if self._instance.major == 2:
+            do_step, get_state = functions["fmi2DoStep"], functions["fmi2GetFMUstate"]
+            self._call: Callable[[float, float], int] = lambda t, h: do_step(component, t, h, keeps)
+        else:
+            do_step, get_state = functions["fmi3DoStep"], functions["fmi3GetFMUState"]
+            self._event, self._terminate, self._early, self._last = c_bool(), c_bool(), c_bool(), c_double()
+            results = [byref(r) for r in (self._event, self._terminate, self._early, self._last)]
+            self._call = lambda t, h: do_step(component, t, h, keeps, *results)
+        before = byref(self._before)
+        self._get_state: Callable[[], int] = lambda: get_state(component, before)
+
+    def step(self, time: float, step: float) -> None:
+        """Step from a communication point to the next, through whatever happens in between."""
+        end, resolution = time + step, _SNAP * step
+        if self._events is not None:
+            self._events.depart(time, resolution)
+        now, standing = time, 0
+        while True:
+            target = self._target(now, end, resolution)
+            event, early, last = self._take(now, step if (now, target) == (time, end) else _step(now, target))
+            reached = min(last, target) if early else target
+            standing = standing + 1 if reached <= now else 0
+            if standing == _MAX_STANDING:
+                raise self._instance.wrong(
+                    f"doStep does not get beyond t = {now:.9g} s: it returned early {standing} times"
+                )
+            now = reached
+            if end - now <= resolution:
+                break
+            if self._events is not None:
+                self._events.inside(now, resolution, needed=event)
+        if self._events is not None:
+            self._events.arrive(end, resolution, needed=event)
+
+    def _target(self, now: float, end: float, resolution: float) -> float:
+        """Return where the next step ends: at the first tick or time event, if it comes before the end."""
+        if self._events is None:
+            return end
+        due = self._events.next_time()
+        if due >= end - resolution:
+            return end
+        if not self._instance.can_vary_step:
+            raise self._instance.wrong(
+                f"{self._events.next_name()} is due at t = {due:.9g} s, inside a communication step, and the FMU "
+                "cannot take steps of different sizes: choose a step that ends there"
+            )
+        return max(due, now + resolution)  # beyond a time event that is closer than that
+
+    def _take(self, time: float, step: float, halvings: int = 0) -> tuple[bool, bool, float]:
+        """Return whether there was an event, whether the FMU returned early, and the time it reached."""
+        if not self._retries:
+            return self._do_step(time, step)
+        self._save()
+        try:
+            return self._do_step(time, step)
+        except _Discarded:
+            if halvings == _MAX_HALVINGS:
+                raise self._instance.failure("doStep", DISCARD, f", even in steps of {step:.3g} s") from None
+            if halvings == 0:
+                self._warn(time)
+        self._instance.call("restoring a state", "setFMUState", self._before)
+        half = step / 2
+        event, early, last = self._take(time, half, halvings + 1)
+        if event or early:
+            return event, True, last
+        return self._take(time + half, step - half, halvings + 1)
+
+    def _warn(self, time: float) -> None:
+        """Keep one warning that says how often a step was discarded."""
+        self._discarded += 1
+        if self._discarded == 1:
+            self._warning = f"doStep discarded the step from t = {time:.9g} s, it was taken in smaller ones"
+            self._instance.warn(self._warning)
+        else:
+            last, self._warning = self._warning, self._warning.partition(", it was")[0]
+            self._warning += f", it was taken in smaller ones; so were {self._discarded - 1} later ones"
+            self._instance.warn(self._warning, instead_of=last)
+
+    def _do_step(self, time: float, step: float) -> tuple[bool, bool, float]:
+        instance = self._instance
+        status = self._call(time, step)
+        if status == PENDING and instance.asynchronous:
+            status = self._wait()
+        if status == DISCARD and self._retries:
+            if instance.terminated:
+                raise instance.ended()
+            raise _Discarded
+        if status not in (0, 1):
+            raise instance.failure("doStep", status)
+        if instance.major == 2:
+            return False, False, time + step
+        if self._terminate.value:
+            raise instance.ended()
+        return self._event.value, self._early.value, self._last.value
+
+    def _wait(self) -> int:
+        """Wait for the end of an asynchronous step of FMI 2; return how it ended."""
+        pause = _PATIENCE
+        while (
+            status := self._instance.call("asking for the status of doStep", "getStatus", _DO_STEP_STATUS)
+        ) == PENDING:
+            clock.sleep(pause)
+            pause = min(1.5 * pause, 0.05)
+        return int(status)
+
+    def _save(self) -> None:
+        status = self._get_state()
+        if status not in (0, 1):
+            raise self._instance.failure("saving the state", status)
+
+    def close(self) -> None:
+        """Give back the memory of the saved state."""
+        if self._before:
+            with suppress(FMICallException):
+                self._handle.freeFMUState(self._before)
+
+
+def _step(now: float, target: float) -> float:
+    """Return a step that does not end before the target: an FMU that adds it up has to see its time event come."""
+    step = target - now
+    return step if now + step >= target else nextafter(step, inf)

@@ -1,0 +1,24 @@
+/* x' = 1; looks at x after each integrator step, and asks for an event where it has passed the threshold. */
+#define EVENT
+#define COMPLETED
+#include "events.h"
+
+static int calculate(Model *m) {
+    m->v[der_x] = 1.0;
+    m->v[y] = m->v[x];
+    return 0;
+}
+
+static int completed(Model *m) {
+    m->v[steps] += 1.0;
+    return m->v[x] > m->v[threshold] && !m->v[fired];
+}
+
+static void event(Model *m) {
+    if (m->v[x] > m->v[threshold] && !m->v[fired]) {
+        m->v[fired] = 1.0;
+        m->v[fired_at] = m->time;
+        m->v[x] = 0.0;
+        m->values_changed = 1;
+    }
+}

@@ -96,7 +96,8 @@ def test_lyapunov_identities_along_the_trajectory_of_the_components(
 def rewired(sources: dict[str, str | None], start: dict[str, Any] | None = None) -> System:
     """The observer system with other sources of some inputs (None: a constant zero) and other start values."""
     system = SYSTEMS["observer-pd"].build()
-    system.connections[:] = [c for c in system.connections if c.target not in sources]
+    for target in sources:
+        system.disconnect(target)
     for target, source in sources.items():
         if source is None:
             system.set(target, np.zeros(3))

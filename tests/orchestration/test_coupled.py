@@ -5,6 +5,7 @@ import pytest
 
 from fmus.errors import AdcsError
 from orchestration import CoupledModel, RunFailed, System, run
+from orchestration.loops import LoopSolver
 
 SOLVERS = {"DOP853": 1e-13, "CVode": 1e-7}
 ME = {"method": "model-exchange"}
@@ -108,13 +109,40 @@ def test_a_system_without_states(mock, version):
     assert result.states.shape == (5, 0)
 
 
-def test_state_events_are_refused_by_name(mock):
-    system = System("bouncing")
-    system.add("ball", mock("oscillator", indicators=2, name="ball"), {"u": 0.0})
+def test_an_element_is_connected_and_the_others_keep_their_start_values(mock, version):
+    system = System("parts")
+    system.add("swing", mock("oscillator", version), {"u": 0.0})
+    system.add("integrator", mock("integrator", version), {"u": [1.0, 2.0, 3.0]})
+    system.connect("swing.position", "integrator.u[2]", factor=2.0)
+    result = run(system, stop_time=2, step=0.5, **ME)
+    t = result.time
+    assert result["integrator.y"] == pytest.approx(np.array([t, 2 * np.sin(t), 3 * t]).T, abs=1e-10)
+
+
+def test_an_algebraic_loop_is_solved_at_every_evaluation(mock, version):
+    """y = 0.5 (0.3 y + 1), integrated."""
+    system = System("loop")
+    for name, k in (("one", 0.5), ("two", 0.3)):
+        system.add(name, mock("gain", version), {"k": k})
+    system.add("integrator", mock("integrator", version))
+    system.connect("one.y", "two.u", factor=1.0)
+    system.connect("two.y", "one.u", factor=1.0, offset=1.0)
+    system.connect("one.y", "integrator.u")
+    with pytest.raises(AdcsError, match="algebraic loop"):
+        CoupledModel(system)
+    with CoupledModel(system, loops=LoopSolver()) as model:
+        assert model.rhs(0.0, model.x0) == pytest.approx(np.full(3, 0.5 / 0.85), rel=1e-9)
+        assert model.outputs(0.0, model.x0)["two.y"] == pytest.approx(np.full(3, 0.15 / 0.85), rel=1e-9)
+        assert model.loop_reports[0]["solved"] > 0
+
+
+def test_delays_are_refused_by_name(springs):
+    system = springs()
+    system.delay("b.u", steps=1)
     with pytest.raises(
-        AdcsError, match=r"ball \(ball\.fmu\) has state events, which coupled Model Exchange does not sup"
+        AdcsError, match=r"^b\.u gets a\.position with a delay, which coupled Model Exchange does not sup"
     ):
-        run(system, stop_time=1, step=0.1, **ME)
+        CoupledModel(system)
 
 
 @pytest.mark.parametrize("solver", SOLVERS)

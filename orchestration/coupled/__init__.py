@@ -1,0 +1,7 @@
+"""Coupled Model Exchange: all components as one ordinary differential equation, with state and time events."""
+
+from orchestration.coupled.integrators import SolverName
+from orchestration.coupled.model import CoupledModel
+from orchestration.coupled.solution import couple
+
+__all__ = ["CoupledModel", "SolverName", "couple"]

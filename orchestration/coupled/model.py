@@ -1,0 +1,285 @@
+"""The components of a system as one differential equation x' = f(t, x), and their events."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+from ctypes import POINTER, c_double
+from functools import partial
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from fmus.errors import AdcsError
+from orchestration.engine import Engine
+from orchestration.fmu import FmiVersion
+from orchestration.instance import CallFailed, Instance, failing_at
+from orchestration.loops import Loops, LoopSolver
+from orchestration.opening import initialised
+from orchestration.plan import Floats, Plan, make_plan
+from orchestration.results import Recording
+from orchestration.system import System
+
+_MAX_EVENT_ITERATIONS = 100
+
+
+class CoupledModel:
+    """The system as x' = f(t, x), initialised, in continuous-time mode. A context manager.
+
+        with CoupledModel(system) as model:
+            model.rhs(0.0, model.x0)
+
+    `state_names` names the elements of x, `x0` is the state after initialisation, `nominals` are the states' nominal
+    values, `next_event` is the time of the next time event (inf: none). Between two events `rhs`, `indicators` and
+    `outputs` are functions of (t, x) alone. Algebraic loops are refused unless `loops` says how to solve them.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        start_time: float = 0.0,
+        stop_time: float = inf,
+        fmi_version: FmiVersion = "2.0",
+        record: Sequence[str] | None = None,
+        *,
+        loops: LoopSolver | None = None,
+    ) -> None:
+        _refuse(system, fmi_version)
+        recording = Recording(system, record, 1)
+        self.system = system
+        self.ports = recording.ports
+        with ExitStack() as stack:
+            opened = initialised(system, "model-exchange", start_time, stop_time, fmi_version, solver=loops)
+            self.instances = stack.enter_context(opened)
+            fmus = {name: instance.fmu for name, instance in self.instances.items()}
+            # in continuous-time mode only inputs of continuous variability may be set
+            continuous = [c for c in system.connections if system.port(c.target)[1].variability == "continuous"]
+            self._loops: list[Loops] = []
+            lower = partial(
+                make_plan,
+                fmus,
+                starts={c.name: c.start for c in system.components.values()},
+                solve_loops=loops is not None,
+            )
+            self._at_events = lower(system.connections)
+            self._sets = [call for call in self._at_events.calls if call.kind == "set"]
+            self._sets += [call for loop in self._at_events.loops for call in loop.sets]
+            self._propagate = self._bind(self._at_events, loops).propagate
+            self._derivatives = self._bind(lower(continuous), loops)
+            self._outputs = self._bind(lower(continuous, recording.names), loops)
+            self.state_names = [f"{name}.{state}" for name, fmu in fmus.items() for state in fmu.states]
+            self._row_size = sum(port.size for port in self.ports.values())
+            self._watchers = [i for i in self.instances.values() if _needs_completed_step(i)]
+            self._indicators = _Indicators(self.instances.values())
+            self.next_event = inf
+            self.x0 = self._settle()
+            self._stack = stack.pop_all()
+
+    def _bind(self, plan: Plan, solver: LoopSolver | None) -> Engine:
+        loops = Loops(plan, self.instances, solver or LoopSolver())
+        self._loops.append(loops)
+        return Engine(plan, self.instances, solve=loops.solve)
+
+    def __enter__(self) -> CoupledModel:
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self._stack.__exit__(*error)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the FMUs warned of."""
+        return [f"{i.name}: {text}" for i in self.instances.values() for text in i.warnings]
+
+    @property
+    def loop_reports(self) -> list[dict[str, Any]]:
+        """What solving algebraic loops has taken between events, for the manifest."""
+        return self._loops[1].reports
+
+    def rhs(self, t: float, x: Floats) -> Floats:
+        """Return x' (n,) at time t and state x (n,)."""
+        derivatives = np.empty(len(self.state_names))
+        self._derivatives.evaluate(t, np.ascontiguousarray(x, np.float64), derivatives)
+        return derivatives
+
+    def row(self, t: float, x: Floats, row: Floats) -> None:
+        """Write the recorded variables at (t, x) into a contiguous row."""
+        self._outputs.evaluate(t, np.ascontiguousarray(x, np.float64), None, row)
+
+    def outputs(self, t: float, x: Floats) -> dict[str, Floats]:
+        """Return the recorded variables at (t, x) by name."""
+        row = np.empty(self._row_size)
+        self.row(t, x, row)
+        cuts = np.cumsum([port.size for port in self.ports.values()])[:-1]
+        parts = np.split(row, cuts)
+        return {n: part.reshape(p.shape) for (n, p), part in zip(self.ports.items(), parts, strict=True)}
+
+    def set_point(self, t: float, x: Floats) -> None:
+        """Bring all components to (t, x), their inputs included."""
+        self._derivatives.evaluate(t, np.ascontiguousarray(x, np.float64), None)
+
+    @property
+    def has_state_events(self) -> bool:
+        """Whether any component has event indicators."""
+        return bool(self._indicators.owners)
+
+    def indicators(self, t: float, x: Floats) -> Floats:
+        """Return the event indicators of all components at (t, x), (number of indicators,).
+
+        An event is where one of them passes from z > 0 to z <= 0 or back.
+        """
+        self.set_point(t, x)
+        with failing_at(t):
+            return self._indicators.get()
+
+    def indicator(self, number: int) -> tuple[str, str]:
+        """Return the component to which the event indicator of this index belongs, and its name there."""
+        return self._indicators.owners[number]
+
+    @property
+    def next_event_of(self) -> str:
+        """The component that has the next time event."""
+        return min(self._next, key=self._next.__getitem__)
+
+    def completed_step(self, t: float, x: Floats) -> str | None:
+        """Tell the components that want to know that the integrator accepted a step; return who asks for an event."""
+        if not self._watchers:
+            return None
+        self.set_point(t, x)
+        asking = None
+        with failing_at(t):
+            for instance in self._watchers:
+                event, terminate = instance.call("completedIntegratorStep", "completedIntegratorStep")
+                if terminate:
+                    raise instance.ended()
+                if event:
+                    asking = instance.name
+        return asking
+
+    def event(self, t: float, x: Floats) -> Floats:
+        """Handle an event at (t, x) in all components; return the state after it."""
+        self.set_point(t, x)
+        with failing_at(t):
+            for instance in self.instances.values():
+                instance.call("entering event mode", "enterEventMode")
+            after = self._settle()
+            if self.next_event <= t:
+                late = f"its next event, at t = {self.next_event!r} s, does not lie ahead of this one"
+                raise CallFailed(self.next_event_of, late)
+        return after
+
+    def _settle(self) -> Floats:
+        """In event mode: propagate and update discrete states until nothing changes; return the continuous states."""
+        self._next: dict[str, float] = {}
+        unsettled = set(self.instances)
+        self._propagate()
+        for _ in range(_MAX_EVENT_ITERATIONS):
+            before = self._at_events.signals.copy()
+            unsettled = {name for name in unsettled if self._update(self.instances[name])}
+            self._propagate()
+            changed = self._at_events.signals != before
+            unsettled |= {call.component for call in self._sets if changed[call.where].any()}
+            if not unsettled:
+                break
+        else:
+            names = ", ".join(name for name in self.instances if name in unsettled)
+            raise AdcsError(f"the event does not settle in {_MAX_EVENT_ITERATIONS} iterations: {names} keep changing")
+        self.next_event = min(self._next.values(), default=inf)
+        states, nominals = [], []
+        for instance in self.instances.values():
+            instance.call("entering continuous-time mode", "enterContinuousTimeMode")
+            _check_dimension(instance)
+            states.append(_vector(instance, "getContinuousStates"))
+            nominals.append(_nominals(instance))
+        self.nominals: Floats = np.concatenate(nominals)
+        return np.concatenate(states)
+
+    def _update(self, instance: Instance) -> bool:
+        """Update discrete states once; note the next time event; return whether another update is needed."""
+        method = "newDiscreteStates" if instance.major == 2 else "updateDiscreteStates"
+        needed, terminate, _, _, defined, time = instance.call("updating discrete states", method)
+        if terminate:
+            raise instance.ended()
+        self._next[instance.name] = time if defined else inf
+        return bool(needed)
+
+
+class _Indicators:
+    """The event indicators of some instances, one after the other."""
+
+    def __init__(self, instances: Any) -> None:
+        self.owners: list[tuple[str, str]] = []
+        self._calls: list[tuple[Instance, Any, int]] = []
+        numbers = [(instance, instance.fmu.model.numberOfEventIndicators) for instance in instances]
+        self._values: Floats = np.empty(sum(n for _, n in numbers))
+        for instance, n in numbers:
+            if n == 0:
+                continue
+            place = self._values[len(self.owners) :].ctypes.data_as(POINTER(c_double))
+            self._calls.append((instance, place, n))
+            self.owners += [(instance.name, f"event indicator {i + 1} of {n}") for i in range(n)]
+
+    def get(self) -> Floats:
+        for instance, place, n in self._calls:
+            instance.call("getEventIndicators", "getEventIndicators", place, n)
+        bad = np.flatnonzero(~np.isfinite(self._values))
+        if len(bad):
+            component, name = self.owners[bad[0]]
+            raise CallFailed(component, f"{name} is not finite")
+        return self._values.copy()
+
+
+def _refuse(system: System, version: FmiVersion) -> None:
+    """Refuse by name what no differential equation can hold."""
+    for connection in system.connections:
+        if connection.delayed:
+            raise AdcsError(
+                f"{connection.target} gets {connection.source} with a delay, which coupled Model Exchange does not "
+                "support: use the method 'co-simulation', or remove the delay"
+            )
+    for component in system.components.values():
+        fmu = component.open(version)
+        if fmu.clocks:
+            raise AdcsError(
+                f"{component.name} ({fmu.path.name}) has the clock {fmu.clocks[0].name}, and coupled Model Exchange "
+                "ticks none: use the method 'co-simulation'"
+            )
+
+
+def _needs_completed_step(instance: Instance) -> bool:
+    return bool(instance.fmu.interface("model-exchange").needsCompletedIntegratorStep)
+
+
+def _vector(instance: Instance, method: str) -> Floats:
+    """Return what a method writes into an array with an element per continuous state."""
+    values = np.empty(len(instance.fmu.states))
+    if len(values):
+        instance.call(method, method, values.ctypes.data_as(POINTER(c_double)), len(values))
+    return values
+
+
+def _nominals(instance: Instance) -> Floats:
+    """Return the states' nominal values; 1 for one that is of no use, and for all if the FMU does not tell them."""
+    try:
+        nominals = np.abs(_vector(instance, "getNominalsOfContinuousStates"))
+    except CallFailed:
+        return np.ones(len(instance.fmu.states))
+    return np.where(np.isfinite(nominals) & (nominals > 0), nominals, 1.0)
+
+
+def _check_dimension(instance: Instance) -> None:
+    """Refuse an FMU whose state vector is not of the size that its description gives."""
+    if instance.major == 2:  # where the description settles it
+        return
+    described = len(instance.fmu.states)
+    try:
+        number = int(instance.call("getNumberOfContinuousStates", "getNumberOfContinuousStates"))
+    except CallFailed:  # not every exporter has it
+        return
+    if number != described:
+        raise CallFailed(
+            instance.name,
+            f"it has {number} continuous states, but {described} in its modelDescription.xml: states that change "
+            "dimension are not supported in coupled Model Exchange, use the method 'co-simulation'",
+        )

@@ -1,0 +1,167 @@
+"""The solution of coupled Model Exchange, from event to event and over the rows of a run."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from orchestration.coupled.crossing import first_crossing
+from orchestration.coupled.integrators import Integrator, SolverName, integrator
+from orchestration.coupled.model import CoupledModel
+from orchestration.grid import Grid
+from orchestration.instance import CallFailed, failing_at
+from orchestration.plan import Floats
+from orchestration.results import Recording
+
+_LOOKS = 5  # into each step, for indicators that leave their domain and come back
+_CHATTER = 100  # events in what counts as one instant
+
+
+def couple(
+    model: CoupledModel,
+    grid: Grid,
+    recording: Recording,
+    states: Floats,
+    solver: SolverName = "DOP853",
+    rtol: float = 1e-10,
+    atol: float = 1e-12,
+    progress: Callable[[float], Any] = lambda fraction: None,
+) -> None:
+    """Integrate over the grid, stopping exactly at events; fill the recording and `states` (steps+1, n).
+
+    A row at the time of an event holds the values after it.
+    """
+    solution = Solution(model, grid.start, 1e-9 * grid.step, solver, rtol, atol)
+    for k in range(grid.steps + 1):
+        solution.reach(grid.time(k))
+        model.row(solution.time, solution.x, recording.data[k])
+        states[k] = solution.x
+        recording.filled = k + 1
+        progress((k + 1) / (grid.steps + 1))
+
+
+class Solution:
+    """The solution from the start on, as far as it has been reached: `time` and `x`.
+
+    Times that differ by at most `instant` (s) are the same for events and for what is asked for.
+    """
+
+    def __init__(
+        self,
+        model: CoupledModel,
+        start: float,
+        instant: float,
+        solver: SolverName = "DOP853",
+        rtol: float = 1e-10,
+        atol: float = 1e-12,
+    ) -> None:
+        self._model = model
+        self._instant = instant
+        self._events: deque[float] = deque(maxlen=_CHATTER)
+        self._integrator: Integrator = integrator(model, solver, rtol, atol)
+        self._z: Floats = np.empty(0)  # event indicators at the last event or accepted step
+        self._restart(start, model.x0)
+
+    @property
+    def time(self) -> float:
+        """Where it has come to (s)."""
+        return self._integrator.time
+
+    @property
+    def x(self) -> Floats:
+        """The state there, (n,)."""
+        return self._integrator.x
+
+    def reach(self, point: float) -> None:
+        """Go on to a time, and through all events that happen there."""
+        looked = False
+        while True:
+            due = self._model.next_event
+            if due <= point + self._instant:
+                target = due
+            elif self.time < point - self._instant:
+                target = point
+            elif not looked and self._imminent():
+                target = min(self.time + self._instant, due)
+            else:
+                break
+            looked = point - self._instant <= self.time
+            cause = self._advance(target)
+            if cause is None and self.time >= due:
+                cause = self._model.next_event_of, "time events"
+            if cause is not None:
+                looked = False
+                self._event(*cause)
+        if self.time < point:  # by an instant, over which a straight line is exact
+            self._restart(point, self.x + (point - self.time) * self._model.rhs(self.time, self.x))
+
+    def _advance(self, target: float) -> tuple[str, str] | None:
+        """Integrate to the target, or to the first event; return whose it is and what it is."""
+        while self.time < target:
+            before = self.time
+            self._integrator.step(target)
+            crossed = self._crossing(before) if self._model.has_state_events else None
+            asking = self._model.completed_step(self.time, self.x)
+            if crossed is not None:
+                return crossed
+            if asking is not None:
+                return asking, "events asked for after integrator steps"
+        return None
+
+    def _crossing(self, before: float) -> tuple[str, str] | None:
+        """Find the first crossing of an event indicator in the last step, and go back to it."""
+        walk = self._integrator
+        positive = self._z > 0
+
+        def crossed(z: Floats) -> bool:
+            return bool(np.any((z > 0) != positive))
+
+        def accurate(t: float) -> Floats:
+            return self._model.indicators(t, walk.at(t))
+
+        end = self.time
+        for t in np.linspace(before, end, _LOOKS + 1)[1:].tolist():
+            z = self._model.indicators(t, walk.sketch(t))
+            if not crossed(z):
+                continue
+            if t != end:  # the sketch may be on the wrong side of zero
+                z = accurate(t)
+            if crossed(z):
+                found = first_crossing(accurate, before, self._z, t, z)
+                x = walk.at(found)
+                z = self._model.indicators(found, x)
+                which = int(np.flatnonzero((z > 0) != positive)[0])
+                if found < end:
+                    walk.restart(found, x)
+                return self._model.indicator(which)
+        self._z = z
+        return None
+
+    def _imminent(self) -> bool:
+        """Whether a state event happens within the next instant."""
+        if not self._model.has_state_events or self.time + self._instant <= self.time:
+            return False
+        ahead = self.x + self._instant * self._model.rhs(self.time, self.x)
+        z = self._model.indicators(self.time + self._instant, ahead)
+        return bool(np.any((z > 0) != (self._z > 0)))
+
+    def _event(self, component: str, kind: str) -> None:
+        time = self.time
+        self._restart(time, self._model.event(time, self.x))
+        span = time - self._events[0] if len(self._events) == _CHATTER else np.inf
+        if span <= max(self._instant, 1e3 * float(np.spacing(abs(time)))):
+            with failing_at(time):
+                raise CallFailed(
+                    component,
+                    f"it chatters: {_CHATTER} events within {span:.1e} s, the last by {kind}; give the model a "
+                    "hysteresis or a state of rest, or use the method 'co-simulation'",
+                )
+        self._events.append(time)
+
+    def _restart(self, time: float, x: Floats) -> None:
+        self._integrator.restart(time, x)
+        if self._model.has_state_events:
+            self._z = self._model.indicators(time, x)

@@ -14,7 +14,8 @@ import numpy as np
 from benchmarks import loop, monolithic
 from orchestration.engine import Engine
 from orchestration.fmu import FmiVersion
-from orchestration.instance import Instance, initialised
+from orchestration.instance import Instance
+from orchestration.opening import initialised
 from orchestration.plan import Floats, make_plan
 from orchestration.schedule import split
 
@@ -65,7 +66,7 @@ def compiled(steps: int, version: FmiVersion = "2.0", record: bool = False, step
         rows = np.empty((steps, len(plan.row)))
 
         def take_steps() -> Floats:
-            _, failed = engine.steps(0.0, step, 0, steps, rows)
+            _, _, failed = engine.steps(0.0, step, 0, steps, steps, None, rows)
             if failed is not None:
                 raise failed
             return _attitude(instances["plant"])

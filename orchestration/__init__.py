@@ -2,8 +2,21 @@
 
 from orchestration.cosim import steps
 from orchestration.coupled import CoupledModel
+from orchestration.loops import LoopSolver
 from orchestration.results import Result, RunFailed, RunInterrupted
 from orchestration.run import run
+from orchestration.session import CoSimulation
 from orchestration.system import Connection, System
 
-__all__ = ["Connection", "CoupledModel", "Result", "RunFailed", "RunInterrupted", "System", "run", "steps"]
+__all__ = [
+    "CoSimulation",
+    "Connection",
+    "CoupledModel",
+    "LoopSolver",
+    "Result",
+    "RunFailed",
+    "RunInterrupted",
+    "System",
+    "run",
+    "steps",
+]

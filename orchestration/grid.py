@@ -45,6 +45,20 @@ class Grid:
         """t_k."""
         return self.start + k * self.step
 
+    def index(self, time: float, what: str) -> int:
+        """Return k of a communication point; refuse a time before, after or between them."""
+        ratio = (time - self.start) / self.step
+        k = round(ratio) if isfinite(ratio) else -1
+        if not 0 <= k <= self.steps:
+            raise AdcsError(f"{what} at {time:g} s lies outside the run, {self.start:g} to {self.time(self.steps):g} s")
+        if abs(ratio - k) > 1e-9 * max(ratio, 1.0):
+            before = floor(ratio)
+            raise AdcsError(
+                f"{what} at {time:.12g} s lies between two communication points: use {self.time(before):.12g} or "
+                f"{self.time(before + 1):.12g} s"
+            )
+        return k
+
     @property
     def times(self) -> NDArray[np.float64]:
         """All points, (steps+1,)."""

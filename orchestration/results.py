@@ -17,28 +17,47 @@ from fmus.errors import AdcsError
 from orchestration.fmu import Port, element_names
 from orchestration.plan import Floats
 from orchestration.schedule import Name, split
-from orchestration.system import System
+from orchestration.system import NUMERIC, System
 
 
 class Recording:
-    """The rows of a run while it goes on: `data` (steps+1, row size), of which the first `filled` are valid."""
+    """The rows of a run while it goes on: `data` (rows, row size), of which the first `filled` are valid."""
 
-    def __init__(self, system: System, record: Sequence[str] | None, rows: int) -> None:
-        """`record` names `component.variable`; None means every Float64 output."""
+    def __init__(self, system: System, record: Sequence[str] | None, rows: int = 0) -> None:
+        """`record` names `component.variable`; None means every output of a numeric type."""
         self.ports: dict[str, Port] = {}
         for name in system.outputs() if record is None else record:
             port = system.port(name)[1]
-            if port.type != "Float64":
-                raise AdcsError(f"{name} is of type {port.type}, only Float64 can be recorded so far")
+            if not port.type.startswith(NUMERIC):
+                raise AdcsError(f"{name} is of type {port.type}: only numbers and Booleans can be recorded")
+            if name.partition(".")[2] != port.name:
+                raise AdcsError(f"{name} is an element of an array: record {name.rpartition('[')[0]}")
             self.ports[name] = port
         self.filled = 0
-        size = sum(port.size for port in self.ports.values())
+        self.size = sum(port.size for port in self.ports.values())
+        self.data = self._allocate(rows)
+
+    def _allocate(self, rows: int) -> Floats:
         try:
-            self.data: Floats = np.empty((rows, size))
+            return np.empty((rows, self.size))
         except MemoryError:
             raise AdcsError(
-                f"{rows} rows of {size} values do not fit into memory: record fewer variables or take a larger step"
+                f"{rows} rows of {self.size} values do not fit into memory: write them to a file as they come "
+                "(--format hdf5), record fewer variables, or not every step"
             ) from None
+
+    @property
+    def capacity(self) -> int:
+        """The most rows for which there is room at once."""
+        return len(self.data)
+
+    def room(self, rows: int) -> Floats:
+        """The next rows, to be filled."""
+        return self.data[self.filled : self.filled + rows]
+
+    def commit(self, rows: int) -> None:
+        """Keep what was filled."""
+        self.filled += rows
 
     @property
     def names(self) -> list[Name]:
@@ -70,10 +89,14 @@ class Result:
         """The recorded variables, `component.variable`."""
         return list(self.ports)
 
-    def __getitem__(self, name: str) -> Floats:
+    def __getitem__(self, name: str) -> Any:
         port = self._port(name)
         first = self._first[name]
-        return self.data[:, first : first + port.size].reshape(len(self.time), *port.shape)
+        return typed(self.data[:, first : first + port.size].reshape(len(self.time), *port.shape), port)
+
+    def block(self, first: int, last: int) -> Floats:
+        """Rows first .. last-1, all variables side by side as numbers."""
+        return self.data[first:last]
 
     def unit(self, name: str) -> str | None:
         """Unit of a recorded variable; None if it has none."""
@@ -86,7 +109,7 @@ class Result:
     def select(self, names: Sequence[str]) -> Result:
         """Return the result with these variables only."""
         ports = {name: self._port(name) for name in names}
-        parts = [self[name].reshape(len(self.time), port.size) for name, port in ports.items()]
+        parts = [self.data[:, self._first[n] : self._first[n] + port.size] for n, port in ports.items()]
         return replace(self, data=np.hstack([np.empty((len(self.time), 0)), *parts]), ports=ports)
 
     def write_csv(self, path: str | Path) -> None:
@@ -94,10 +117,13 @@ class Result:
         header = ["time[s]"]
         for name, port in self.ports.items():
             header += [f"{element}[{port.unit or '-'}]" for element in element_names(name, port.shape)]
-        with _written(path).open("w", encoding="utf-8", newline="\n") as file:
+        write = [float, *(_written_as(port) for port in self.ports.values() for _ in range(port.size))]
+        with written(path).open("w", encoding="utf-8", newline="\n") as file:
             file.write(",".join(f'"{h}"' if "," in h else h for h in header) + "\n")
-            for time, row in zip(self.time.tolist(), self.data, strict=True):
-                file.write(",".join(map(repr, [time, *row.tolist()])) + "\n")
+            for first in range(0, len(self.time), _LINES):
+                rows = self.block(first, min(first + _LINES, len(self.time)))
+                for time, row in zip(self.time[first:].tolist(), rows.tolist(), strict=False):
+                    file.write(",".join([repr(w(v)) for w, v in zip(write, [time, *row], strict=True)]) + "\n")
 
     def write_mat(self, path: str | Path) -> None:
         """Write a MATLAB file with `time` and one struct per component, so that `plant.q_BN` is the name there too.
@@ -113,11 +139,17 @@ class Result:
             field_ = _matlab_name(variable, taken.setdefault(component, {}))
             tree.setdefault(struct, {})[field_] = self[name]
             units.setdefault(struct, {})[field_] = port.unit or ""
-        scipy.io.savemat(_written(path), {**tree, "units": units}, long_field_names=True, oned_as="column")
+        scipy.io.savemat(written(path), {**tree, "units": units}, long_field_names=True, oned_as="column")
+
+    def write_hdf5(self, path: str | Path) -> None:
+        """Write one dataset per variable, `/plant/q_BN` (rows, *shape), with its unit and description; and `/time`."""
+        from orchestration import hdf5
+
+        hdf5.write(self, path)
 
     def write_manifest(self, path: str | Path) -> None:
         """Write all that is needed to repeat the run, as JSON."""
-        _written(path).write_text(json.dumps(self.manifest, indent=2) + "\n", encoding="utf-8")
+        written(path).write_text(json.dumps(self.manifest, indent=2) + "\n", encoding="utf-8")
 
     def _port(self, name: str) -> Port:
         if name not in self.ports:
@@ -125,6 +157,20 @@ class Result:
             hint = f"did you mean {' or '.join(close)}?" if close else f"recorded are {', '.join(self.ports) or 'none'}"
             raise AdcsError(f"{name!r} was not recorded: {hint}")
         return self.ports[name]
+
+
+def typed(values: Floats, port: Port) -> Any:
+    """Return numbers as what they are: Boolean values as bool, integers as int64."""
+    if port.type == "Boolean":
+        return values != 0
+    return values if port.type.startswith("Float") else values.astype(np.int64)
+
+
+_LINES = 10_000  # of a CSV file, that are written at once
+
+
+def _written_as(port: Port) -> type:
+    return float if port.type.startswith("Float") else int
 
 
 class RunFailed(AdcsError):
@@ -153,7 +199,8 @@ def _matlab_name(name: str, taken: dict[str, str]) -> str:
     return taken[name]
 
 
-def _written(path: str | Path) -> Path:
+def written(path: str | Path) -> Path:
+    """Make the folder of a file that is going to be written."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     return path

@@ -5,21 +5,29 @@ from __future__ import annotations
 import platform
 import time
 from collections.abc import Sequence
+from dataclasses import asdict, fields
 from datetime import UTC, datetime
 from importlib import metadata
+from math import inf
+from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
 
 from fmus.errors import AdcsError
-from orchestration.cosim import Progress, Stepping, cosimulate
+from orchestration.checkpoint import Checkpoint
+from orchestration.cosim import Course, Progress, cosimulate
 from orchestration.coupled import CoupledModel, SolverName, couple
 from orchestration.fmu import FmiVersion, Kind
 from orchestration.grid import Grid
+from orchestration.hdf5 import FileRecording, FileResult
 from orchestration.instance import CallFailed
+from orchestration.live import Change, Condition, Inputs, Pace
+from orchestration.loops import LoopSolver
 from orchestration.plan import Floats
 from orchestration.results import Recording, Result, RunFailed, RunInterrupted
-from orchestration.system import System
+from orchestration.session import Stepping
+from orchestration.system import Connection, System, Value
 
 _PACKAGES = ("adcs-fmus", "fmpy", "numpy", "scipy", "ziglang")
 
@@ -36,16 +44,36 @@ def run(
     atol: float = 1e-12,
     fmi_version: FmiVersion = "2.0",
     record: Sequence[str] | None = None,
+    record_every: int = 1,
     stepping: Stepping = "compiled",
+    changes: Sequence[tuple[float, str, Value]] = (),
+    inputs: str | Path | None = None,
+    until: str | None = None,
+    real_time: float | None = None,
+    solve_loops: LoopSolver | None = None,
+    timeout: float = inf,
+    hdf5: str | Path | None = None,
+    adaptive: float | None = None,
+    checkpoint: str | Path | None = None,
+    checkpoint_every: float | None = None,
+    resume: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Result:
     """Run a system from start_time to stop_time (s) and record at t_k = start_time + k*step: N steps, N+1 rows.
 
     `method`: "co-simulation" exchanges values every `step`; "model-exchange" integrates all components as one ordinary
     differential equation with `solver` at `rtol`, `atol`. `fmi_version` says which file of a component known by name is
-    taken. `record` names `component.variable` (None: all outputs). `stepping="python"` makes the same calls as the
-    compiled loop, one by one from Python, for the same result to the last bit. `progress` is called with the fraction
-    done.
+    taken. `record` names `component.variable` (None: all outputs), `record_every` keeps every n-th row.
+    `stepping="python"` makes the same calls as the compiled loop, one by one from Python, for the same result to the
+    last bit. `hdf5` names a file to which rows go as they come, for runs that do not fit into memory. `solve_loops`
+    solves algebraic loops, which are refused without it. `progress` is called with the fraction done.
+
+    In co-simulation `changes` (time in s, `component.variable`, value) set unconnected inputs and tunable parameters at
+    communication points; `inputs` is a CSV table of inputs over time; `until`, as in "norm(plant.omega_BN_B) < 1e-3",
+    ends the run at the first row that meets it; `real_time` paces it, 1 for real time, 2 for twice as fast; `timeout`
+    (s) gives up a component of which one call takes longer. `adaptive` is a tolerance: between two rows 2^j exchange
+    steps are taken, chosen by step doubling. `checkpoint` names a file for the state at the end, and every
+    `checkpoint_every` seconds of simulated time; `resume` goes on from such a file, at whose time is the first row.
 
     Raises AdcsError when the run cannot start, RunFailed when a component fails on the way, RunInterrupted on Ctrl-C;
     the last two carry what was recorded as `.result`.
@@ -54,39 +82,86 @@ def run(
     _choice("solver", solver, SolverName)
     _choice("stepping", stepping, Stepping)
     _choice("fmi_version", fmi_version, FmiVersion)
-    for name, tolerance in (("rtol", rtol), ("atol", atol)):
-        if not (np.isfinite(tolerance) and tolerance > 0):
+    for name, tolerance in (("rtol", rtol), ("atol", atol), ("timeout", timeout)):
+        if not tolerance > 0 or (name != "timeout" and not np.isfinite(tolerance)):
             raise AdcsError(f"{name} = {tolerance}: expected a positive number")
     if rtol < _MIN_RTOL:
         raise AdcsError(f"rtol = {rtol} is below what double precision can hold: use {_MIN_RTOL:.1e} or more")
+    if not isinstance(record_every, int) or record_every < 1:
+        raise AdcsError(f"record_every = {record_every!r}: expected a whole number of steps from 1")
     grid = Grid.make(start_time, stop_time, step)
     report = progress or (lambda fraction: None)
-    recording = Recording(system, record, grid.steps + 1)
-    settings: dict[str, Any] = (
-        {"stepping": stepping} if method == "co-simulation" else {"solver": solver, "rtol": rtol, "atol": atol}
+    saved = None if resume is None else Checkpoint.read(Path(resume))
+    first = 0 if saved is None else saved.k
+    if first > grid.steps:
+        raise AdcsError(f"{resume} is at t = {grid.time(first):g} s, after stop_time = {stop_time:g} s")
+    times = grid.times[first:][-first % record_every :: record_every]
+    rows = len(times)
+    recording = Recording(system, record, rows) if hdf5 is None else FileRecording(system, record, Path(hdf5))
+    course = Course(
+        changes=[Change.at(grid, *change) for change in changes],
+        inputs=None if inputs is None else Inputs.from_csv(system, Path(inputs)),
+        until=None if until is None else Condition.parse(until, system, recording),
+        pace=None if real_time is None else Pace(grid, real_time),
+        timeout=timeout,
+        record_every=record_every,
+        solver=solve_loops,
+        adaptive=adaptive,
+        checkpoint=None if checkpoint is None else Path(checkpoint),
+        checkpoint_every=checkpoint_every,
+        resume=saved,
     )
-    times = {"start_time": grid.start, "stop_time": float(stop_time), "step": grid.step}
-    manifest = _manifest(system, fmi_version, {"method": method, **times, **settings})
+    if adaptive is not None:
+        others: dict[str, Any] = {"record_every": record_every > 1, "until": until, "real_time": real_time}
+        others |= {"inputs": inputs, "changes": changes, "checkpoint": checkpoint, "resume": resume}
+        for name in (name for name, given in others.items() if given):
+            raise AdcsError(f"{name}: not together with adaptive exchange steps")
+    if method == "model-exchange":
+        _only_in_cosimulation(course, hdf5 is not None)
+    settings = {
+        "method": method,
+        "fmi_version": fmi_version,
+        "start_time": grid.start,
+        "stop_time": float(stop_time),
+        "step": grid.step,
+        **({"stepping": stepping} if method == "co-simulation" else {"solver": solver, "rtol": rtol, "atol": atol}),
+        **({"record_every": record_every} if record_every > 1 else {}),
+        **({"changes": [[t, name, _plain(value)] for t, name, value in changes]} if changes else {}),
+        **({"inputs": str(inputs)} if inputs is not None else {}),
+        **({"until": until} if until is not None else {}),
+        **({"real_time": real_time} if real_time is not None else {}),
+        **({"adaptive": adaptive} if adaptive is not None else {}),
+        **({"resume": str(resume)} if resume is not None else {}),
+        **({"solve_loops": asdict(solve_loops)} if solve_loops is not None else {}),
+    }
+    manifest = _manifest(system, fmi_version, settings)
     states: Floats = np.empty((grid.steps + 1, 0))
     state_names: list[str] = []
     clock = _Clock()
 
     def result(outcome: dict[str, Any]) -> Result:
         n = recording.filled
-        manifest["timing"] = clock.read((n - 1) * grid.step if n else 0.0)
+        manifest["timing"] = clock.read(float(times[n - 1] - times[0]) if n else 0.0)
         manifest["outcome"] = {**outcome, "rows": n}
-        return Result(system, grid.times[:n], recording.data[:n], recording.ports, manifest, states[:n], state_names)
+        if isinstance(recording, FileRecording):
+            recording.close(times[:n], manifest)
+            return FileResult.of(system, times[:n], recording, manifest)
+        return Result(system, times[:n], recording.data[:n], recording.ports, manifest, states[:n], state_names)
 
     try:
         if method == "co-simulation":
-            manifest["warnings"] = cosimulate(system, grid, recording, fmi_version, stepping, report, clock.start)
+            cosimulate(system, grid, recording, fmi_version, stepping, course, report, clock.start, manifest)
         else:
-            with CoupledModel(system, grid.start, grid.time(grid.steps), fmi_version, record) as model:
+            with CoupledModel(
+                system, grid.start, grid.time(grid.steps), fmi_version, record, loops=solve_loops
+            ) as model:
                 state_names = model.state_names
                 states = np.empty((grid.steps + 1, len(state_names)))
                 clock.start()
                 couple(model, grid, recording, states, solver, rtol, atol, report)
                 manifest["warnings"] = model.warnings
+                if model.loop_reports:
+                    manifest["algebraic_loops"] = model.loop_reports
     except CallFailed as error:
         if error.time is None:  # it failed in initialisation
             raise
@@ -95,11 +170,37 @@ def run(
     except AdcsError as error:
         if not clock.running:
             raise
-        outcome = {"status": "failed", "component": None, "time": grid.time(recording.filled), "message": str(error)}
+        outcome = {
+            "status": "failed",
+            "component": None,
+            "time": float(times[min(recording.filled, rows - 1)]),
+            "message": str(error),
+        }
         raise RunFailed(f"{error}; {recording.filled} rows are kept", result(outcome)) from error
     except KeyboardInterrupt as error:
         raise RunInterrupted(result({"status": "interrupted"})) from error
-    return result({"status": "complete"})
+    return result({"status": "complete", **({"met": manifest.pop("stopped")} if "stopped" in manifest else {})})
+
+
+def _only_in_cosimulation(course: Course, to_file: bool) -> None:
+    """Refuse by name what has no meaning in coupled Model Exchange."""
+    asked = {
+        "changes": bool(course.changes),
+        "inputs": course.inputs is not None,
+        "until": course.until is not None,
+        "real_time": course.pace is not None,
+        "record_every": course.record_every > 1,
+        "hdf5": to_file,
+        "adaptive": course.adaptive is not None,
+        "checkpoint": course.checkpoint is not None,
+        "resume": course.resume is not None,
+    }
+    for name in (name for name, given in asked.items() if given):
+        raise AdcsError(f"{name}: only co-simulation has it, not model-exchange")
+
+
+def _plain(value: Value) -> Any:
+    return value.tolist() if isinstance(value, np.ndarray) else value
 
 
 _MIN_RTOL = 100 * float(np.finfo(float).eps)  # below, SciPy raises it with a warning
@@ -143,6 +244,7 @@ def _manifest(system: System, fmi_version: FmiVersion, settings: dict[str, Any])
             "fmi_version": fmu.model.fmiVersion,
             "sha256": fmu.sha256,
             "start": start,
+            **({"every": component.every} if component.every > 1 else {}),
         }
         for port in fmu.ports.values():
             if port.name == "seed" or port.name.endswith("_seed"):
@@ -153,7 +255,7 @@ def _manifest(system: System, fmi_version: FmiVersion, settings: dict[str, Any])
             "name": system.name,
             "description": system.description,
             "components": components,
-            "connections": [[c.source, c.target] for c in system.connections],
+            "connections": [_described(c) for c in system.connections],
         },
         "settings": settings,
         "seeds": seeds,
@@ -164,6 +266,17 @@ def _manifest(system: System, fmi_version: FmiVersion, settings: dict[str, Any])
         },
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
     }
+
+
+def _described(connection: Connection) -> list[Any]:
+    """Source and target, and what else is not usual about the connection."""
+    usual = Connection(connection.source, connection.target)
+    unusual = {
+        f.name: value
+        for f in fields(Connection)
+        if f.name != "given" and (value := getattr(connection, f.name)) != getattr(usual, f.name)
+    }
+    return [connection.source, connection.target, *([unusual] if unusual else [])]
 
 
 def _nested(values: tuple[Any, ...], shape: tuple[int, ...]) -> Any:

@@ -99,7 +99,7 @@ def test_an_algebraic_loop_is_refused_by_name(mock):
     system = System("loop")
     system.add("gain", mock("gain"))
     system.connect("gain.doubled", "gain.u")
-    with pytest.raises(AdcsError, match=r"algebraic loop: gain\.doubled -> gain\.u -> gain\.doubled"):
+    with pytest.raises(AdcsError, match=r"algebraic loop: gain\.doubled\[1\] -> gain\.u\[1\] -> gain\.doubled\[1\]"):
         run(system, stop_time=1, step=1)
 
 
@@ -213,7 +213,13 @@ def test_what_is_recorded(chain):
         ({"fmi_version": "1.0"}, "fmi_version = '1.0' is unknown: use '2.0' or '3.0'"),
         ({"rtol": 0.0}, "rtol = 0.0: expected a positive number"),
         ({"rtol": 1e-16}, "rtol = 1e-16 is below what double precision can hold: use 2.2e-14 or more"),
-        ({"record": ["typed.whole"]}, "typed.whole is of type Int32, only Float64 can be recorded so far"),
+        ({"record_every": 0}, "record_every = 0: expected a whole number of steps from 1"),
+        (
+            {"until": "typed.y"},
+            "condition 'typed.y': expected VARIABLE < NUMBER, or norm(VARIABLE), max(), min(); <=, >, >=",
+        ),
+        ({"real_time": 0.0}, "speed = 0.0: expected a positive number, 1 for real time"),
+        ({"timeout": 0.0}, "timeout = 0.0: expected a positive number"),
     ],
 )
 def test_refused_arguments(mock, arguments, message):

@@ -1,0 +1,120 @@
+"""A co-simulation in a file: saved at a communication point, and gone on from there to the last bit."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fmus.errors import AdcsError
+from fmus.toolchain import write_atomically
+from orchestration.session import CoSimulation
+
+_FORMAT = "adcs-checkpoint-1"
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """Point `k`, what belongs to the system that was there, and its state."""
+
+    path: Path
+    k: int
+    about: dict[str, Any]
+    arrays: dict[str, NDArray[Any]]
+
+    @classmethod
+    def read(cls, path: Path) -> Checkpoint:
+        """Read a file that `write` made."""
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                arrays = {name: file[name] for name in file.files}
+            about = json.loads(arrays.pop("about").tobytes())
+            if about.pop("format") != _FORMAT:
+                raise ValueError
+            return cls(path, int(about.pop("k")), about, arrays)
+        except OSError as error:
+            raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
+        except (ValueError, KeyError, EOFError, zipfile.BadZipFile):
+            raise AdcsError(f"{path} is not a checkpoint of this program") from None
+
+    def apply(self, simulation: CoSimulation) -> None:
+        """Take a simulation that was just initialised to the point; AdcsError if it is of another system."""
+        for key, here in _about(simulation).items():
+            there = self.about.get(key)
+            if here != there:
+                raise AdcsError(f"{self.path} is of another run: {key} is {_difference(there, here)}")
+        simulation.k = self.k
+        simulation.signals[:] = self.arrays["signals"]
+        for i, ring in enumerate(simulation.rings):
+            ring.values[:] = self.arrays[f"ring_{i}"]
+        for i, instance in enumerate(simulation.instances.values()):
+            state = instance.deserialize(self.arrays[f"state_{i}"].tobytes())
+            instance.restore(state)
+            instance.free(state)
+
+
+def write(simulation: CoSimulation, k: int, path: Path) -> None:
+    """Save a simulation at point k, at which all its components communicate.
+
+    All of them are at its time, and what was propagated there is propagated again when it is gone on with.
+    """
+    arrays: dict[str, NDArray[Any]] = {
+        "about": np.frombuffer(json.dumps({"format": _FORMAT, "k": k, **_about(simulation)}).encode(), np.uint8),
+        "signals": simulation.signals,
+        **{f"ring_{i}": ring.values for i, ring in enumerate(simulation.rings)},
+    }
+    for i, instance in enumerate(simulation.instances.values()):
+        state = instance.save()
+        arrays[f"state_{i}"] = np.frombuffer(instance.serialize(state), np.uint8)
+        instance.free(state)
+    content = io.BytesIO()
+    np.savez(content, **arrays)  # type: ignore[arg-type]
+    write_atomically(path, content.getvalue())
+
+
+def check(simulation: CoSimulation) -> None:
+    """Refuse by name what cannot be saved, before the run."""
+    for instance in simulation.instances.values():
+        if not instance.can_serialize:
+            raise AdcsError(
+                f"{instance.name} ({instance.fmu.path.name}) cannot save its state to a file: a checkpoint needs "
+                "canGetAndSetFMUstate and canSerializeFMUstate"
+            )
+
+
+def aligned(simulation: CoSimulation, k: int) -> bool:
+    """Whether all components communicate at point k."""
+    return all(k % component.every == 0 for component in simulation.system.components.values())
+
+
+def not_aligned(simulation: CoSimulation, k: int) -> AdcsError:
+    """Put into words that a checkpoint is not possible at point k."""
+    name, every = next((c.name, c.every) for c in simulation.system.components.values() if k % c.every)
+    time = simulation.start + k * simulation.step
+    return AdcsError(f"no checkpoint at t = {time:.9g} s: {name} communicates at every {every}th step, and not then")
+
+
+def _about(simulation: CoSimulation) -> dict[str, Any]:
+    connections = [
+        [c.source, c.target, c.factor, c.offset, c.delay_steps, c.delay] for c in simulation.system.connections
+    ]
+    return {
+        "start time": simulation.start,
+        "step": simulation.step,
+        "FMUs": {name: instance.fmu.sha256 for name, instance in simulation.instances.items()},
+        "connections": connections,
+        "recorded variables": list(simulation.recording.ports),
+        "inputs from outside": list(simulation.external),
+    }
+
+
+def _difference(there: Any, here: Any) -> str:
+    if isinstance(here, (dict, list)):
+        return "not the same"
+    return f"{there} there, {here} here"

@@ -1,0 +1,131 @@
+"""Results in HDF5: one dataset per variable, a group per component; written as a run goes on, read piece by piece."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from fmus.errors import AdcsError
+from orchestration.fmu import Port
+from orchestration.plan import Floats
+from orchestration.results import Recording, Result, typed, written
+from orchestration.schedule import split
+from orchestration.system import System
+
+_BUFFER = 2**23  # values that are collected before they are written
+
+
+class FileRecording(Recording):
+    """Rows that go to a file as they come, so that a run may be longer than memory."""
+
+    def __init__(self, system: System, record: Sequence[str] | None, path: Path) -> None:
+        super().__init__(system, record)
+        self.path = path
+        self._buffer = np.empty((max(1, _BUFFER // max(self.size, 1)), self.size))
+        self._file = _File(path, self.ports)
+
+    @property
+    def capacity(self) -> int:
+        """The most rows for which there is room at once."""
+        return len(self._buffer)
+
+    def room(self, rows: int) -> Floats:
+        """The next rows, to be filled."""
+        return self._buffer[:rows]
+
+    def commit(self, rows: int) -> None:
+        """Write what was filled."""
+        self._file.append(self._buffer[:rows])
+        self.filled += rows
+
+    def close(self, times: Floats, manifest: Mapping[str, Any]) -> None:
+        """Write the times and what is known about the run, and close the file."""
+        self._file.close(times, manifest)
+
+
+class FileResult(Result):
+    """A result whose values stay in their file until they are asked for."""
+
+    path: Path
+
+    @classmethod
+    def of(cls, system: System, times: Floats, recording: FileRecording, manifest: dict[str, Any]) -> FileResult:
+        """Return the result of a finished recording."""
+        result = cls(system, times, np.empty((0, recording.size)), recording.ports, manifest)
+        result.path = recording.path
+        return result
+
+    def __getitem__(self, name: str) -> Any:
+        port = self._port(name)
+        with h5py.File(self.path) as file:
+            values = file[_place(name)][:]
+        return typed(np.asarray(values, float).reshape(len(self.time), *port.shape), port)
+
+    def block(self, first: int, last: int) -> Floats:
+        """Rows first .. last-1."""
+        with h5py.File(self.path) as file:
+            parts = [
+                np.asarray(file[_place(name)][first:last], float).reshape(-1, port.size)
+                for name, port in self.ports.items()
+            ]
+        return np.hstack([np.empty((min(last, len(self.time)) - first, 0)), *parts])
+
+    def select(self, names: Sequence[str]) -> Result:
+        """Return the result with these variables only."""
+        chosen = FileResult(self.system, self.time, self.data, {n: self._port(n) for n in names}, self.manifest)
+        chosen.path = self.path
+        return chosen
+
+
+def write(result: Result, path: str | Path) -> None:
+    """Write a result: `/time`, `/COMPONENT/VARIABLE` (rows, *shape) with attributes `unit` and `description`."""
+    file = _File(written(path), result.ports)
+    rows = max(1, _BUFFER // max(1, sum(port.size for port in result.ports.values())))
+    for first in range(0, len(result.time), rows):
+        file.append(result.block(first, min(first + rows, len(result.time))))
+    file.close(result.time, result.manifest)
+
+
+class _File:
+    def __init__(self, path: Path, ports: Mapping[str, Port]) -> None:
+        self._ports = ports
+        try:
+            self._file = h5py.File(written(path), "w")
+        except OSError as error:
+            raise AdcsError(f"cannot write {path}: {' '.join(str(error).split())}") from error
+        for name, port in ports.items():
+            made = self._file.create_dataset(
+                _place(name),
+                shape=(0, *port.shape),
+                maxshape=(None, *port.shape),
+                chunks=(max(1, 2**15 // port.size), *port.shape),
+                dtype=typed(np.empty(0), port).dtype,
+            )
+            made.attrs["unit"] = port.unit or ""
+            made.attrs["description"] = port.description
+
+    def append(self, rows: Floats) -> None:
+        first = 0
+        for name, port in self._ports.items():
+            dataset = self._file[_place(name)]
+            n = len(dataset)
+            dataset.resize(n + len(rows), axis=0)
+            dataset[n:] = typed(rows[:, first : first + port.size].reshape(len(rows), *port.shape), port)
+            first += port.size
+
+    def close(self, times: Floats, manifest: Mapping[str, Any]) -> None:
+        self._file["time"] = times
+        self._file["time"].attrs["unit"] = "s"
+        self._file["manifest"] = json.dumps(manifest)
+        self._file.close()
+
+
+def _place(name: str) -> str:
+    """`bus/battery.charge` -> `bus/battery/charge`; a slash in a variable would make a group."""
+    component, variable = split(name)
+    return f"{component}/{variable.replace('/', '_')}"

@@ -1,0 +1,234 @@
+"""What may happen during a co-simulation: changes at given times, inputs from a table, a condition that ends it, pace."""
+
+from __future__ import annotations
+
+import csv
+import operator
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from time import perf_counter, sleep
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fmus.errors import AdcsError
+from orchestration.grid import Grid
+from orchestration.plan import Floats
+from orchestration.results import Recording
+from orchestration.system import System, Value
+
+if TYPE_CHECKING:
+    from orchestration.session import CoSimulation
+
+
+@dataclass(frozen=True)
+class Change:
+    """A variable gets a value at point k, before it is propagated and recorded."""
+
+    k: int
+    name: str
+    value: Value
+
+    @classmethod
+    def at(cls, grid: Grid, time: float, name: str, value: Value) -> Change:
+        """Find the communication point of a time [s]; refuse one between two points."""
+        return cls(grid.index(time, f"the change of {name}"), name, value)
+
+    def check(self, simulation: CoSimulation) -> None:
+        """Refuse what could not be set when its time comes."""
+        simulation.check_change(self.name, self.value)
+
+    def apply(self, simulation: CoSimulation) -> None:
+        """Set it now."""
+        simulation.set(self.name, self.value)
+
+
+class Inputs:
+    """Inputs whose values come from a table over time, for `names`.
+
+    Between two times values of Float type are interpolated linearly, all others hold; before the first and after the
+    last time they keep the values there.
+    """
+
+    def __init__(self, system: System, times: Floats, columns: dict[str, Floats]) -> None:
+        """`times` (n,) in s, increasing; `columns` give (n,) or (n, size) by `component.variable` or an element."""
+        if len(times) == 0 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
+            raise AdcsError("inputs: times must be finite and increasing, and there must be at least one")
+        self.names = list(columns)
+        self._times = times
+        self._continuous: list[bool] = []
+        parts = []
+        for name, values in columns.items():
+            end = system.end(name)
+            part = np.asarray(values, float).reshape(len(times), -1)
+            if part.shape[1] != len(end.elements):
+                raise AdcsError(f"inputs: {name} has {len(end.elements)} elements, the table has {part.shape[1]}")
+            if not np.isfinite(part).all():
+                raise AdcsError(f"inputs: {name} has values that are not finite")
+            parts.append(part)
+            self._continuous += [end.port.type.startswith("Float")] * part.shape[1]
+        self._values = np.hstack(parts) if parts else np.empty((len(times), 0))
+
+    @classmethod
+    def from_csv(cls, system: System, path: Path) -> Inputs:
+        """Read a table whose header is `time` and the names of inputs, elements of arrays one by one.
+
+        `[unit]` after a name, as in the files that a run writes, must be the input's own unit.
+        """
+        try:
+            with path.open(newline="", encoding="utf-8-sig") as file:
+                lines = [line for line in csv.reader(file) if line]
+        except OSError as error:
+            raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
+        except UnicodeDecodeError:
+            raise AdcsError(f"{path} is not a text file in UTF-8") from None
+        if not lines or _name(lines[0][0]) != ("time", lines[0][0].strip()[5:-1] or None):
+            raise AdcsError(f"{path}: the first line must be `time` and the names of inputs")
+        header, *rows = lines
+        for number, row in enumerate(rows, 2):
+            if len(row) != len(header):
+                raise AdcsError(f"{path}, line {number}: {len(row)} values, the first line has {len(header)} names")
+        try:
+            table = np.array([[float(cell) for cell in row] for row in rows]).reshape(len(rows), len(header))
+        except ValueError as error:
+            raise AdcsError(f"{path}: {error}") from None
+        columns: dict[str, Floats] = {}
+        for column, text in enumerate(header[1:], 1):
+            name, unit = _known(system, text)
+            if name in columns:
+                raise AdcsError(f"{path}: {name} has two columns")
+            port = system.port(name)[1]
+            if unit not in (None, "-", port.unit):
+                raise AdcsError(f"{path}: {name} is in {unit!r}, expected {port.unit!r}")
+            columns[name] = table[:, column]
+        return cls(system, table[:, 0], columns)
+
+    def at(self, times: Floats) -> Floats:
+        """Return the values at these times, (n, number of values)."""
+        held = np.clip(np.searchsorted(self._times, times, side="right") - 1, 0, None)
+        values: Floats = self._values[held].copy()
+        for column in np.flatnonzero(self._continuous):
+            values[:, column] = np.interp(times, self._times, self._values[:, column])
+        return values
+
+
+_HEADER = re.compile(r"(?P<name>.*?)(?:\[(?P<unit>[^\[\]]*)\])?")
+
+
+def _name(text: str) -> tuple[str, str | None]:
+    match = _HEADER.fullmatch(text.strip())
+    assert match is not None
+    return match["name"], match["unit"]
+
+
+def _known(system: System, text: str) -> tuple[str, str | None]:
+    """Tell `plant.u[2]`, an element, from `plant.u[N.m]`, a unit."""
+    name, unit = _name(text)
+    if unit is not None and re.fullmatch(r"\d+(\s*,\s*\d+)*", unit):
+        name, unit = text.strip(), None
+    system.end(name)
+    return name, unit
+
+
+_COMPARISONS = {"<=": operator.le, ">=": operator.ge, "<": operator.lt, ">": operator.gt}
+_CONDITION = re.compile(
+    r"\s*(?:(?P<function>norm|max|min)\s*\(\s*(?P<inside>[^()]+?)\s*\)|(?P<plain>[^<>=()]+?))\s*"
+    r"(?P<comparison><=|>=|<|>)\s*(?P<bound>[^<>=\s]+)\s*"
+)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A condition on one recorded variable that ends a run: `norm(controller.omega_BR_B) < 1e-4`."""
+
+    text: str
+    function: str | None
+    where: tuple[int, ...]
+    comparison: str
+    bound: float
+
+    def __str__(self) -> str:
+        return self.text
+
+    @classmethod
+    def parse(cls, text: str, system: System, recording: Recording) -> Condition:
+        """Read `VARIABLE < NUMBER` (or <=, >, >=), the variable possibly within norm(), max() or min()."""
+        match = _CONDITION.fullmatch(text)
+        try:
+            bound = float(match["bound"]) if match else float("nan")
+        except ValueError:
+            bound = float("nan")
+        if match is None or not isfinite(bound):
+            raise AdcsError(
+                f"condition {text!r}: expected VARIABLE < NUMBER, or norm(VARIABLE), max(), min(); <=, >, >="
+            )
+        name = match["inside"] or match["plain"]
+        end = system.end(name)
+        whole = f"{end.component}.{end.port.name}"
+        if whole not in recording.ports:
+            raise AdcsError(f"condition {text!r}: {whole} is not recorded, and has to be")
+        if match["function"] is None and len(end.elements) > 1:
+            raise AdcsError(f"condition {text!r}: {name} is an array, use norm(), max(), min() or one element of it")
+        first = 0
+        for recorded, port in recording.ports.items():
+            if recorded == whole:
+                break
+            first += port.size
+        where = tuple(first + i for i in end.elements)
+        return cls(text, match["function"], where, match["comparison"], bound)
+
+    def first(self, rows: Floats) -> int | None:
+        """Index of the first row that meets the condition."""
+        values = rows[:, list(self.where)]
+        if self.function == "norm":
+            value = np.linalg.norm(values, axis=1)
+        else:
+            value = values.min(axis=1) if self.function == "min" else values.max(axis=1)
+        met = np.flatnonzero(_COMPARISONS[self.comparison](value, self.bound))
+        return int(met[0]) if len(met) else None
+
+
+class Pace:
+    """Keeps a run to real time, or `speed` times as fast: point k is not taken before its time.
+
+    Deadlines are absolute, so lateness does not add up; what is late is counted.
+    """
+
+    def __init__(self, grid: Grid, speed: float = 1.0) -> None:
+        if not (isfinite(speed) and speed > 0):
+            raise AdcsError(f"speed = {speed}: expected a positive number, 1 for real time")
+        self.speed = speed
+        self._step = grid.step / speed
+        self._late: list[float] = []
+
+    def start(self, k: int) -> None:
+        """Let point k be now."""
+        self._origin = perf_counter() - k * self._step
+
+    def wait(self, k: int) -> int:
+        """Wait for point k; return how many points are due."""
+        deadline = self._origin + k * self._step
+        while (early := deadline - perf_counter()) > 0:
+            sleep(early if early > 2e-3 else 0)  # sleeping longer than asked is what makes late
+        self._late.append(-early)
+        return 1
+
+    def report(self) -> dict[str, Any]:
+        """Speed and how late points were taken [s]."""
+        late = np.array(self._late or [0.0])
+        p50, p99 = np.percentile(late, [50, 99])
+        return {
+            "speed": self.speed,
+            "points": len(self._late),
+            "late_median_s": float(p50),
+            "late_99_percent_s": float(p99),
+            "late_most_s": float(late.max()),
+        }
+
+
+def changes(grid: Grid, wanted: Sequence[tuple[float, str, Value]]) -> list[Change]:
+    """Make changes of (time [s], name, value)."""
+    return [Change.at(grid, *each) for each in wanted]

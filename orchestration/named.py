@@ -1,0 +1,91 @@
+"""What the command line takes for a system: a registered name, an `.ssp` file, or one `.fmu`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from fmus.errors import AdcsError
+from orchestration.fmu import element_names
+from orchestration.plots import Panel, Series
+from orchestration.report import KeyNumber
+from orchestration.results import Result
+from orchestration.system import NUMERIC, System
+from studies.registry import SYSTEMS, SystemEntry
+
+_STEPS = 1000  # of a run whose file gives no exchange step
+_STOP = 10.0  # s, of a run whose file gives no stop time
+_MOST_CURVES = 9  # in one panel: a 3 x 3 matrix
+
+
+def find_system(name: str) -> SystemEntry:
+    """Return what a name or the path of a file stands for; AdcsError with the names there are if it is neither."""
+    path = Path(name)
+    if path.suffix == ".ssp":
+        return _from_ssp(path)
+    if path.suffix == ".fmu":
+        return _from_fmu(path)
+    if name not in SYSTEMS:
+        raise AdcsError(f"no system {name!r}: choose one of {', '.join(SYSTEMS)}, or give an .ssp or .fmu file")
+    return SYSTEMS[name]
+
+
+def _from_ssp(path: Path) -> SystemEntry:
+    from orchestration.ssp import read_ssp
+
+    file = read_ssp(path)
+    stop = _STOP if file.stop_time is None else file.stop_time
+    step = (stop - (file.start_time or 0.0)) / _STEPS if file.step is None else file.step
+    return _entry(path.stem, file.system, stop, step)
+
+
+def _from_fmu(path: Path) -> SystemEntry:
+    system = System(path.stem)
+    name = path.name.partition(".")[0] or "fmu"
+    system.add(name, path)
+    fmu = system.components[name].fmu
+    system.description = fmu.model.description or ""
+    for port in fmu.ports.values():  # nothing feeds them
+        if port.causality == "input" and port.type.startswith(NUMERIC) and port.start is not None:
+            system.set(f"{name}.{port.name}", np.reshape(port.start, port.shape))
+    experiment = fmu.model.defaultExperiment
+    stop = float(experiment.stopTime or _STOP) if experiment else _STOP
+    step = float(experiment.stepSize or stop / _STEPS) if experiment else stop / _STEPS
+    return _entry(path.stem, system, stop, step)
+
+
+def _entry(name: str, system: System, stop: float, step: float) -> SystemEntry:
+    return SystemEntry(name, system.description, "", lambda: system, stop, step, figures, key_numbers)
+
+
+def figures(result: Result) -> Sequence[Panel]:
+    """A panel for each recorded variable, grouped by component."""
+    panels = []
+    for name in result.names:
+        values = np.asarray(result[name], float)
+        component, _, variable = name.partition(".")
+        curves = values.reshape(len(result.time), -1).T[:_MOST_CURVES]
+        labels = element_names(variable, values.shape[1:])
+        series = [Series(label, result.time, curve) for label, curve in zip(labels, curves, strict=False)]
+        unit = result.unit(name)
+        panels.append(
+            Panel(
+                variable,
+                f"{variable} [{unit}]" if unit else variable,
+                series,
+                note=result.description(name),
+                group=component,
+            )
+        )
+    return panels
+
+
+def key_numbers(result: Result) -> list[KeyNumber]:
+    """The last value of every scalar."""
+    return [
+        KeyNumber(name, float(result[name][-1]), result.unit(name) or "", f"at {result.time[-1]:g} s")
+        for name in result.names
+        if len(result.time) and result[name].ndim == 1
+    ]

@@ -1,0 +1,437 @@
+"""`adcs run`: from words on the command line to a run, its files and what people see of it."""
+
+from __future__ import annotations
+
+import json as json_
+import re
+import shlex
+import sys
+from collections.abc import Sequence
+from math import isfinite
+from pathlib import Path
+from typing import Annotated, Any, Literal, get_args
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from fmus.errors import AdcsError
+from orchestration import plots, report
+from orchestration.accuracy import Estimate, estimate_error
+from orchestration.coupled import SolverName
+from orchestration.fmu import Kind
+from orchestration.loops import LoopMethod, LoopSolver
+from orchestration.named import find_system
+from orchestration.results import Result, RunFailed, RunInterrupted
+from orchestration.run import run as run_system
+from orchestration.session import Stepping
+from orchestration.system import System
+from orchestration.values import parse_value
+from studies.registry import SystemEntry
+
+Format = Literal["csv", "mat", "hdf5"]
+
+_REPORT_FILES = ("report.html", "report.png")
+_LARGE = 20_000_000  # values; more are written, but not read again for key numbers and report
+_NUMERICS, _DURING, _RESULTS = "How it is solved", "What happens during the run", "Results"
+
+app = typer.Typer()
+
+_EPILOG = """Examples:
+
+adcs run observer-pd --step 0.001 --set tracker.half_angle=0.05deg --out results/noisy
+
+adcs run observer-pd --at 20s controller.k_p=3 --until "norm(controller.omega_BR_B) < 1e-5" --stop 300
+
+adcs run system.ssp --estimate-error --format hdf5
+"""
+
+
+@app.command(epilog=_EPILOG)
+def run(
+    system: Annotated[str, typer.Argument(help="Name of a system (`adcs list`), or an .ssp or .fmu file.")],
+    step: Annotated[
+        float | None, typer.Option(help="Time between two exchanges and two rows [s].", rich_help_panel=_NUMERICS)
+    ] = None,
+    stop: Annotated[float | None, typer.Option(help="Stop time [s].", rich_help_panel=_NUMERICS)] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="Start value of a COMPONENT.VARIABLE; may be repeated. VALUE is 1.5, 0.05deg, 1,2,3 or [[1,2],[3,4]].",
+        ),
+    ] = None,
+    method: Annotated[
+        Kind,
+        typer.Option(
+            help="Exchange values every step, or integrate all components as one differential equation.",
+            rich_help_panel=_NUMERICS,
+        ),
+    ] = "co-simulation",
+    solver: Annotated[
+        SolverName, typer.Option(help="Integrator of model-exchange.", rich_help_panel=_NUMERICS)
+    ] = "DOP853",
+    fmi: Annotated[
+        Literal["2", "3"], typer.Option(help="FMI version of the components.", rich_help_panel=_NUMERICS)
+    ] = "2",
+    stepping: Annotated[
+        Stepping,
+        typer.Option(help="Loop of co-simulation; both give the same to the last bit.", rich_help_panel=_NUMERICS),
+    ] = "compiled",
+    every: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="COMPONENT=N",
+            help="Let a component communicate at every N-th step only; may be repeated.",
+            rich_help_panel=_NUMERICS,
+        ),
+    ] = None,
+    delay: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="INPUT=N|TIME",
+            help="Delay what arrives at a connected input by N steps, or by a time as in 0.1s; may be repeated.",
+            rich_help_panel=_NUMERICS,
+        ),
+    ] = None,
+    solve_loops: Annotated[
+        LoopMethod | None, typer.Option(help="Solve algebraic loops by this method.", rich_help_panel=_NUMERICS)
+    ] = None,
+    adaptive: Annotated[
+        float | None,
+        typer.Option(
+            metavar="TOLERANCE",
+            help="Choose exchange steps of --step/2^j so that halving them changes no output by more.",
+            rich_help_panel=_NUMERICS,
+        ),
+    ] = None,
+    estimate: Annotated[
+        bool,
+        typer.Option(
+            "--estimate-error",
+            help="Say what the exchange step costs in accuracy, output by output.",
+            rich_help_panel=_NUMERICS,
+        ),
+    ] = False,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="TIME NAME=VALUE",
+            help="Set an unconnected input or a tunable parameter at a time, as in 120s; may be repeated.",
+            rich_help_panel=_DURING,
+        ),
+    ] = None,
+    inputs: Annotated[
+        Path | None,
+        typer.Option(
+            help="CSV table of unconnected inputs: columns `time` and COMPONENT.VARIABLE.", rich_help_panel=_DURING
+        ),
+    ] = None,
+    until: Annotated[
+        str | None,
+        typer.Option(
+            metavar="CONDITION",
+            help='End at the first row where "norm(NAME) < 1e-4" holds; also max(), min(), <=, >, >=.',
+            rich_help_panel=_DURING,
+        ),
+    ] = None,
+    real_time: Annotated[
+        float | None,
+        typer.Option(metavar="SPEED", help="Keep pace with the clock, SPEED times as fast.", rich_help_panel=_DURING),
+    ] = None,
+    timeout: Annotated[
+        float,
+        typer.Option(help="Give up when one call of a component takes longer [s].", rich_help_panel=_DURING),
+    ] = 120.0,
+    checkpoint: Annotated[
+        Path | None, typer.Option(help="Save the state at the end to this file.", rich_help_panel=_DURING)
+    ] = None,
+    checkpoint_every: Annotated[
+        float | None,
+        typer.Option(help="Save it every so many simulated seconds, too [s].", rich_help_panel=_DURING),
+    ] = None,
+    resume: Annotated[Path | None, typer.Option(help="Go on from a saved state.", rich_help_panel=_DURING)] = None,
+    record: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="Write this variable only; may be repeated. [default: all outputs]",
+            rich_help_panel=_RESULTS,
+        ),
+    ] = None,
+    record_every: Annotated[
+        int, typer.Option(metavar="N", help="Write every N-th row only.", rich_help_panel=_RESULTS)
+    ] = 1,
+    format_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--format",
+            metavar="[csv|mat|hdf5]",
+            help="Kind of result file; may be repeated. With hdf5 rows go to the file as they come, and a run may be "
+            "larger than memory. [default: csv, mat]",
+            rich_help_panel=_RESULTS,
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of the results. [default: results/SYSTEM]", rich_help_panel=_RESULTS)
+    ] = None,
+    no_report: Annotated[
+        bool, typer.Option("--no-report", help="Write no report.html and report.png.", rich_help_panel=_RESULTS)
+    ] = False,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print key numbers, outcome and files as JSON.", rich_help_panel=_RESULTS)
+    ] = False,
+) -> None:
+    """Run a system: write the result, manifest.json, report.html, report.png, and print the key numbers."""
+    entry = find_system(system)
+    built = entry.build()
+    for assignment in set_ or []:
+        name, value = _assigned(built, assignment, "--set")
+        built.set(name, value)
+    for assignment in every or []:
+        _every(built, assignment)
+    for assignment in delay or []:
+        _delay(built, assignment)
+    changes = [_change(built, text) for text in at or []]
+    formats = _formats(format_)
+    folder = out or Path("results") / entry.name
+    folder.mkdir(parents=True, exist_ok=True)  # refused now, rather than after the run
+    wanted = record if no_report else _with_outputs(built, record)  # the report needs more than what is written
+    settings: dict[str, Any] = {
+        "stop_time": entry.stop_time if stop is None else stop,
+        "step": entry.step if step is None else step,
+        "method": method,
+        "solver": solver,
+        "fmi_version": "2.0" if fmi == "2" else "3.0",
+        "stepping": stepping,
+        "changes": changes,
+        "inputs": inputs,
+        "until": until,
+        "real_time": real_time,
+        "solve_loops": None if solve_loops is None else LoopSolver(solve_loops),
+        "timeout": timeout,
+        "adaptive": adaptive,
+        "checkpoint": checkpoint,
+        "checkpoint_every": checkpoint_every,
+        "resume": resume,
+        "record_every": record_every,
+        "hdf5": folder / "result.h5" if formats == ["hdf5"] else None,
+    }
+    errors: Estimate | None = None
+    with _progress() as progress:
+        for name in _REPORT_FILES:  # those of an earlier run would not belong to the other files
+            (folder / name).unlink(missing_ok=True)
+        task = progress.add_task(entry.name, total=1.0)
+        stopped: RunFailed | RunInterrupted | None = None
+
+        def update(part: float) -> None:
+            progress.update(task, completed=part)
+
+        try:
+            result = run_system(built, **settings, record=wanted, progress=update)
+        except (RunFailed, RunInterrupted) as error:
+            stopped, result = error, error.result
+        if estimate and stopped is None:
+            progress.update(task, completed=0.0, description="estimating the error")
+            errors = estimate_error(result, run_system, update)
+            result.manifest["error_estimate"] = errors.as_dict()
+        progress.update(task, completed=1.0, description="writing the results")
+        files = _write(result if record is None else result.select(record), folder, formats)
+        large = len(result.time) * sum(port.size for port in result.ports.values()) > _LARGE
+        whole = (record is None or not no_report) and not large  # key numbers need all outputs
+        numbers = list(entry.key_numbers(result)) if whole and not stopped else []
+        if not (stopped or no_report or large):
+            files += _write_report(entry, result, numbers, errors, folder)
+    if json:
+        typer.echo(_as_json(result, numbers, files))
+    else:
+        _show(result, numbers, errors, files)
+    if stopped is not None:
+        print(f"adcs: {stopped}", file=sys.stderr)
+        raise typer.Exit(1 if isinstance(stopped, RunFailed) else 130)
+
+
+def _formats(wanted: Sequence[str] | None) -> list[Format]:
+    known = {name: name for name in get_args(Format)}
+    for name in wanted or ():
+        if name not in known:
+            raise AdcsError(f"--format {name}: expected {', '.join(known)}")
+    return [known[name] for name in dict.fromkeys(wanted or ("csv", "mat"))]
+
+
+def _progress() -> Progress:
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    return Progress(*columns, console=Console(stderr=True), transient=True)
+
+
+def _assigned(system: System, assignment: str, option: str) -> tuple[str, Any]:
+    name, equals, text = assignment.partition("=")
+    if not equals:
+        raise AdcsError(f"{option} {assignment}: expected COMPONENT.VARIABLE=VALUE")
+    component, port = system.port(name)
+    return name, parse_value(system.components[component].fmu, port, text)
+
+
+def _change(system: System, text: str) -> tuple[float, str, Any]:
+    time, blank, assignment = text.strip().partition(" ")
+    if not blank:
+        raise AdcsError(f"--at {text}: expected TIME COMPONENT.VARIABLE=VALUE, as in --at 120s controller.k_p=2")
+    return _seconds(time, "--at"), *_assigned(system, assignment.strip(), "--at")
+
+
+def at_in_one(arguments: Sequence[str]) -> list[str]:
+    """Join the two words after each `--at` of `run`, since an option that may be repeated takes one."""
+    joined: list[str] = []
+    if arguments[:1] != ["run"]:
+        return list(arguments)
+    for word in arguments:
+        if joined[-2:-1] == ["--at"] and " " not in joined[-1] and not word.startswith("-"):
+            joined[-1] += f" {word}"
+        else:
+            joined.append(word)
+    return joined
+
+
+def _every(system: System, assignment: str) -> None:
+    name, _, text = assignment.partition("=")
+    if name not in system.components or not text.isdecimal() or int(text) < 1:
+        raise AdcsError(f"--every {assignment}: expected COMPONENT=N, one of {', '.join(system.components)}, N from 1")
+    system.components[name].every = int(text)
+
+
+def _delay(system: System, assignment: str) -> None:
+    name, _, text = assignment.partition("=")
+    if text.isdecimal():
+        system.delay(name, steps=int(text))
+    else:
+        system.delay(name, seconds=_seconds(text, f"--delay {name}"))
+
+
+def _seconds(text: str, what: str) -> float:
+    match = re.fullmatch(r"\s*(?P<number>[-+.\deE]+)\s*(?P<unit>ms|s|min|h)?\s*", text)
+    try:
+        return float(match["number"]) * {"ms": 1e-3, "min": 60.0, "h": 3600.0}.get(match["unit"], 1.0)  # type: ignore[index]
+    except (TypeError, ValueError):
+        raise AdcsError(f"{what}: {text!r} is not a time, write 120s, 0.1s, 5ms, 2min or 1h") from None
+
+
+def _with_outputs(system: System, record: Sequence[str] | None) -> list[str] | None:
+    return None if record is None else list(dict.fromkeys([*system.outputs(), *record]))
+
+
+def _write(result: Result, folder: Path, formats: Sequence[Format]) -> list[Path]:
+    made = []
+    if "csv" in formats:
+        result.write_csv(folder / "result.csv")
+        made.append(folder / "result.csv")
+    if "mat" in formats:
+        result.write_mat(folder / "result.mat")
+        made.append(folder / "result.mat")
+    if "hdf5" in formats:
+        if len(formats) > 1:  # else it is there already
+            result.write_hdf5(folder / "result.h5")
+        made.append(folder / "result.h5")
+    result.write_manifest(folder / "manifest.json")
+    return [*made, folder / "manifest.json"]
+
+
+def _write_report(
+    entry: SystemEntry,
+    result: Result,
+    numbers: Sequence[report.KeyNumber],
+    errors: Estimate | None,
+    folder: Path,
+) -> list[Path]:
+    panels = entry.figures(result)
+    files = [folder / name for name in _REPORT_FILES]
+    report.write(
+        files[0],
+        entry.name,
+        ". ".join(text for text in (entry.description, entry.reference) if text),
+        panels,
+        [] if errors is None else [_error_table(errors)],
+        manifest={key: value for key, value in result.manifest.items() if key != "error_estimate"},
+        key_numbers=numbers,
+        command=shlex.join(["adcs", *sys.argv[1:]]),
+    )
+    plots.write_png(files[1], panels, entry.name)
+    return files
+
+
+def _error_table(errors: Estimate) -> report.Table:
+    rows = [[d.variable, d.unit or "", d.most, d.at, d.rms] for d in errors.deviations]
+    columns = ["variable", "unit", "largest", "at [s]", "root mean square"]
+    return report.Table(f"Error of the exchange step, by {errors.method}: {errors.note}", columns, rows)
+
+
+def _as_json(result: Result, numbers: Sequence[report.KeyNumber], files: Sequence[Path]) -> str:
+    optional = ("real_time", "algebraic_loops", "adaptive", "error_estimate")
+    content: dict[str, Any] = {
+        "system": result.system.name,
+        "outcome": result.manifest["outcome"],
+        "timing": result.manifest["timing"],
+        **{name: result.manifest[name] for name in optional if name in result.manifest},
+        "key_numbers": [{"label": n.label, "value": _finite(n.value), "unit": n.unit, "note": n.note} for n in numbers],
+        "files": [str(file) for file in files],
+    }
+    return json_.dumps(content, indent=2)
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not isfinite(value) else value
+
+
+def _show(result: Result, numbers: Sequence[report.KeyNumber], errors: Estimate | None, files: Sequence[Path]) -> None:
+    console = Console()
+    if numbers:
+        title = result.system.description or result.system.name
+        _print_table(console, title, ["", "value", "unit", ""], [[n.label, n.value, n.unit, n.note] for n in numbers])
+    if errors is not None:
+        table = _error_table(errors)
+        _print_table(console, table.title, list(table.columns), [list(row) for row in table.rows])
+    for line in _lines(result):
+        console.print(line, soft_wrap=True, highlight=False)
+    for file in files:
+        console.print(str(file), soft_wrap=True, highlight=False)
+
+
+def _print_table(console: Console, title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
+    table = Table(title=escape(title), title_justify="left", title_style="bold")
+    for i, column in enumerate(columns):
+        number = any(isinstance(row[i], float) for row in rows)
+        table.add_column(escape(column), justify="right" if number else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*(report.format_cell(cell) for cell in row))
+    console.print(table)
+
+
+def _lines(result: Result) -> list[str]:
+    """What else there is to say about a run, a line each."""
+    manifest = result.manifest
+    lines = []
+    timing = manifest["timing"]
+    if timing.get("simulated_s_per_cpu_s"):
+        lines.append(
+            f"{timing['simulated_s']:g} s in {timing['cpu_s']:.3g} s of CPU time, "
+            f"{timing['simulated_s_per_cpu_s']:,.0f} times faster than real time"
+        )
+    if met := manifest["outcome"].get("met"):
+        lines.append(f"ended at t = {met['time']:.9g} s, where {met['condition']}")
+    if pace := manifest.get("real_time"):
+        lines.append(
+            f"paced at {pace['speed']:g} times real time: late by {1e3 * pace['late_median_s']:.3g} ms in the median, "
+            f"{1e3 * pace['late_99_percent_s']:.3g} ms at 99 %, {1e3 * pace['late_most_s']:.3g} ms at most"
+        )
+    lines += [
+        f"algebraic loop of {loop['path']}: solved {loop['solved']} times by {loop['method']} in "
+        f"{loop['iterations'] / max(loop['solved'], 1):.3g} iterations on average, {loop['most_iterations']} at "
+        f"most, relative residual {loop['residual']:.1e}"
+        for loop in manifest.get("algebraic_loops", [])
+    ]
+    if adaptive := manifest.get("adaptive"):
+        steps = ", ".join(f"{step} s in {n}" for step, n in adaptive["intervals_by_exchange_step"].items())
+        lines.append(f"exchange step {steps} intervals; {adaptive['rejected']} tries rejected")
+    return lines

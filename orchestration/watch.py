@@ -1,0 +1,81 @@
+"""Work that may hang, or be interrupted, is done in another thread and watched from here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from threading import Event, Thread
+from time import monotonic
+from typing import Any, TypeVar
+
+Answer = TypeVar("Answer")
+
+_LOOK = 0.05  # s, between two looks at Ctrl-C and at what is going on
+_GRACE = 5.0  # s, for work that was told to stop
+
+
+class Hung(Exception):
+    """Nothing changed for too long; `doing` says what was going on."""
+
+    def __init__(self, doing: Any) -> None:
+        super().__init__(doing)
+        self.doing = doing
+
+
+class Watched:
+    """Does work in a thread of its own, one piece after the other.
+
+    KeyboardInterrupt is raised only when the piece that was going on has been stopped by `stop`; Hung when `doing`
+    stayed the same for `timeout` seconds. After Hung the thread is given up, and nothing it works on may be used.
+    """
+
+    def __init__(self, doing: Callable[[], Any], stop: Callable[[], None], timeout: float) -> None:
+        self._doing, self._stop, self._timeout = doing, stop, timeout
+        self._wanted, self._done = Event(), Event()
+        self._work: Callable[[], Any] | None = None
+        self._answer: Any = None
+        self._error: BaseException | None = None
+        self.interrupted = False
+        self._thread = Thread(target=self._serve, daemon=True, name="co-simulation")  # one that hangs must not hold us
+        self._thread.start()
+
+    def __call__(self, work: Callable[[], Answer]) -> Answer:
+        """Do a piece of work and return its answer; after an interrupt `interrupted` is True."""
+        self._work, self._error = work, None
+        self._done.clear()
+        self._wanted.set()
+        seen, since = self._doing(), monotonic()
+        patience = self._timeout
+        while True:
+            with suppress(KeyboardInterrupt):
+                if self._done.wait(_LOOK):
+                    break
+                if (now := self._doing()) != seen:
+                    seen, since = now, monotonic()
+                elif monotonic() - since > patience:
+                    raise Hung(seen)
+                continue
+            self.interrupted = True
+            self._stop()
+            patience, since = min(patience, _GRACE), monotonic()
+        if self._error is not None:
+            raise self._error
+        answer: Answer = self._answer
+        return answer
+
+    def close(self) -> None:
+        """Let the thread end."""
+        self._work = None
+        self._wanted.set()
+
+    def _serve(self) -> None:
+        while True:
+            self._wanted.wait()
+            self._wanted.clear()
+            if self._work is None:
+                return
+            try:
+                self._answer = self._work()
+            except BaseException as error:
+                self._error = error
+            self._done.set()

@@ -16,6 +16,7 @@ from fmus.toolchain import (
     Target,
     compile_step,
     digest,
+    header_step,
     host,
     included_files,
     link_step,
@@ -45,7 +46,8 @@ def build(
     """
     components = [catalog.find(name) for name in names] if names else catalog.components()
     plans = [_Plan(component, TARGETS if all_platforms else (host(),), work) for component in components]
-    total = len({s.output for p in plans for s in p.compiles}) + sum(len(p.links) + len(FILE_NAMES) for p in plans)
+    shared = {s.output for p in plans for s in (*p.headers, *p.compiles)}
+    total = len(shared) + sum(len(p.links) + len(FILE_NAMES) for p in plans)
     done = 0
 
     def count(what: str) -> None:
@@ -57,6 +59,7 @@ def build(
         unique = {step.output: step for step in steps}.values()
         run_steps(unique, lambda step: count(step.output.relative_to(work).as_posix()))
 
+    run(step for plan in plans for step in plan.headers)
     run(step for plan in plans for step in plan.compiles)
     run(step for plan in plans for step in plan.links)
     built = []
@@ -72,6 +75,7 @@ def build(
 def describe(name: str, work: Path = BUILD) -> Description:
     """What a component declares; builds its describe program if need be. AdcsError if there is no such component."""
     plan = _Plan(catalog.find(name), (), work)
+    run_steps(plan.headers)
     run_steps(plan.compiles)
     run_steps(plan.links)
     return run_describe(plan.describe_link.output)
@@ -89,7 +93,10 @@ class _Plan:
             write_atomically(self._model, code.encode())
 
         self._adaptor = {(t, s): self._compile_adaptor(s, t) for t in targets for s in ADAPTOR}
-        self._models = {t: compile_step(self._model, self._object(component.name, t), t) for t in targets}
+        headers = {t: self._header("export", t) for t in targets}
+        self._models = {
+            t: compile_step(self._model, self._object(component.name, t), t, header=headers[t]) for t in targets
+        }
         self._binaries = {
             t: link_step(
                 [self._models[t].output, *(self._adaptor[t, s].output for s in ADAPTOR)],
@@ -100,13 +107,17 @@ class _Plan:
         }
         machine = host()
         flag = "-DADCS_DESCRIBE"
+        header = self._header("describe", machine, flag)
         describe = [
-            compile_step(self._model, self._object(f"describe_{component.name}", machine), machine, flag),
+            compile_step(
+                self._model, self._object(f"describe_{component.name}", machine), machine, flag, header=header
+            ),
             compile_step(SOURCES / "fmi" / "describe.cpp", self._object("describe", machine), machine, flag),
             self._compile_adaptor("instance", machine),
             self._compile_adaptor("runtime", machine),
         ]
         self.describe_link = program_step([s.output for s in describe], work / "describe" / component.name, machine)
+        self.headers = [header, *headers.values()]
         self.compiles = [*describe, *self._adaptor.values(), *self._models.values()]
         self.links = [self.describe_link, *self._binaries.values()]
 
@@ -139,6 +150,10 @@ class _Plan:
 
     def _compile_adaptor(self, name: str, target: Target) -> Step:
         return compile_step(SOURCES / "fmi" / f"{name}.cpp", self._object(name, target), target)
+
+    def _header(self, name: str, target: Target, *flags: str) -> Step:
+        output = self._object(name, target).with_suffix(".pch")
+        return header_step(SOURCES / "fmi" / "export.hpp", output, target, *flags)
 
     def _object(self, name: str, target: Target) -> Path:
         return self._work / "objects" / target.name / f"{name}.o"

@@ -91,11 +91,15 @@ class Step:
         return _beside(self.output, ".json")
 
 
-def compile_step(source: Path, output: Path, target: Target, *flags: str) -> Step:
-    """Compiles one C++ file to an object file."""
-    command = ("c++", "-target", target.triple, *COMPILE_FLAGS, *flags, "-c", str(source), "-o", str(output))
-    depfile = ("-MD", "-MF", str(_beside(output, ".d")))
-    return Step(output, command + depfile, (source,), includes=True)
+def compile_step(source: Path, output: Path, target: Target, *flags: str, header: Step | None = None) -> Step:
+    """Compiles one C++ file to an object file, starting from a precompiled header if there is one."""
+    begin = () if header is None else ("-include-pch", str(header.output))
+    return _compile(target, (*flags, *begin, "-c"), source, output)
+
+
+def header_step(source: Path, output: Path, target: Target, *flags: str) -> Step:
+    """Precompiles a header; with the same flags, it saves half the time of compiling a component."""
+    return _compile(target, (*flags, "-Wno-pragma-once-outside-header", "-x", "c++-header"), source, output)
 
 
 def link_step(objects: Sequence[Path], output: Path, target: Target) -> Step:
@@ -172,6 +176,12 @@ def universal_binary(slices: Sequence[bytes]) -> bytes:
             header += number.to_bytes(4)
         body += content + bytes(-len(content) % start)
     return bytes(header.ljust(start, b"\0") + body)
+
+
+def _compile(target: Target, flags: Sequence[str], source: Path, output: Path) -> Step:
+    command = ("c++", "-target", target.triple, *COMPILE_FLAGS, *flags, str(source), "-o", str(output))
+    depfile = ("-MD", "-MF", str(_beside(output, ".d")))
+    return Step(output, command + depfile, (source,), includes=True)
 
 
 def _link(

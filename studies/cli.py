@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table as RichTable
 
@@ -114,5 +115,5 @@ def _table(title: str, rows: list[Row]) -> RichTable:
         table.add_column(column, overflow="fold")
     for row in rows:
         cells = [row.table, row.cell, row.settings, report.format_cell(row.printed), report.format_cell(row.ours)]
-        table.add_row(*cells, f"[{_VERDICT_STYLE[row.verdict]}]{row.verdict}[/]")
+        table.add_row(*map(escape, cells), f"[{_VERDICT_STYLE[row.verdict]}]{row.verdict}[/]")
     return table

@@ -147,8 +147,8 @@ void print_variable(const Table& table, const Dependencies& found, const Variabl
 }
 
 void print_unit(const Unit& u) {
-    constexpr const char* bases[] = {"kg", "m", "s", "rad"};
-    const int exponents[] = {u.kg, u.m, u.s, u.rad};
+    constexpr const char* bases[] = {"kg", "m", "s", "A", "rad"};
+    const int exponents[] = {u.kg, u.m, u.s, u.A, u.rad};
     std::printf("{\"name\": ");
     print_text(u.name);
     print_key("exponents");

@@ -13,6 +13,7 @@
 #pragma once
 
 #include "attitude/random.hpp"
+#include "attitude/tilt.hpp"
 #include "fmi/declaration.hpp"
 #include "fmi/lifted.hpp"
 
@@ -56,14 +57,8 @@ struct StarTracker {
     }
 
     void outputs() {
-        using std::sqrt;
         q_BN_meas = q_BN;
-        const Vec3<T> q_v = vec(q_BN);
-        const Vec3<T> d = tilt_direction.cross(q_v);
-        if (tilt_versine > 0.0 && d.dot(d) > 0.0) {
-            const T sine = sqrt(tilt_versine * (2.0 - tilt_versine));
-            q_BN_meas.template tail<3>() = (1.0 - tilt_versine) * q_v + (sine * sqrt(q_v.dot(q_v) / d.dot(d))) * d;
-        }
+        q_BN_meas.template tail<3>() = tilted(vec(q_BN), tilt_direction, tilt_versine);
     }
 };
 

@@ -11,8 +11,13 @@ from fmus.errors import AdcsError
 REFERENCE = "Thakur, dissertation on adaptive, gyro-free and observer-based attitude control, Sec. 5.4"
 
 Vector = tuple[float, ...]
+Matrix = tuple[Vector, ...]
 
 INERTIA = ((10.0, 1.2, 0.5), (1.2, 19.0, 1.5), (0.5, 1.5, 25.0))  # kg.m2, Eq. (5.62)
+INERTIA_ERRORS: tuple[Matrix, Matrix] = (  # kg.m2, delta J_1 and delta J_2 of Eq. (5.63)
+    ((1.0, 1.0, 1.5), (1.0, 1.0, 1.5), (1.5, 1.5, -1.0)),
+    ((-1.0, -0.4, 0.6), (-0.4, -2.0, -0.7), (0.6, -0.7, -5.0)),
+)
 GUIDANCE: dict[str, Any] = {
     "amplitude": 0.1,
     "frequency": 1.0,
@@ -24,6 +29,7 @@ GUIDANCE: dict[str, Any] = {
 }
 PD_GAINS = {"k_p": 1.5, "k_v": 5.0}
 OBSERVER_GAINS = {"lambda": 1.0, "gamma": 3.0}
+CHAPTERS = ("3", "4", "5")  # those with simulations
 TRACKED_BY, ESTIMATED_BY = 60.0, 50.0  # s, by when the errors are said to have converged
 
 
@@ -55,6 +61,19 @@ class Choices:
         default=0.1, metadata={"help": "random angular velocities are uniform within +- this per axis [rad/s]"}
     )
     start_seed: int = field(default=2014, metadata={"help": "seed of the random initial conditions"})
+    vector_spread: float = field(
+        default=1 / 3, metadata={"help": "standard deviation of a measured vector over the cone's half-angle, ch. 4"}
+    )
+    rest_stop_time: float = field(default=400.0, metadata={"help": "end of the runs with noise of ch. 4 [s]"})
+    rest_from: float = field(default=250.0, metadata={"help": "their steady state is from here to the end [s]"})
+    rest_rate: float = field(
+        default=0.02,
+        metadata={"help": "random angular velocities of ch. 4 are uniform within +- this per axis [rad/s]"},
+    )
+    estimated: float = field(
+        default=0.1, metadata={"help": "an estimate of ch. 3 has converged within this part of the true value"}
+    )
+    chapters: str = field(default="3,4,5", metadata={"help": "the chapters to study, separated by commas"})
 
     def __post_init__(self) -> None:
         """Refuse choices with which the statements of the text cannot be judged."""
@@ -70,6 +89,22 @@ class Choices:
             ("starts", self.starts >= 1, "1 or more"),
             ("start_rate", 0 < self.start_rate < inf, "a positive rate"),
             ("start_seed", self.start_seed >= 0, "0 or more"),
+            ("vector_spread", 0 < self.vector_spread <= 10, "a factor above 0 and at most 10"),
+            ("rest_from", self.rest_from >= TRACKED_BY, f"{TRACKED_BY:g} s or later"),
+            (
+                "rest_stop_time",
+                self.rest_from < self.rest_stop_time < inf,
+                f"later than rest_from, {self.rest_from:g} s",
+            ),
+            ("rest_rate", 0 < self.rest_rate < inf, "a positive rate"),
+            ("estimated", 0 < self.estimated < 1, "a part between 0 and 1"),
         ):
             if not holds:
                 raise AdcsError(f"choice {name} = {getattr(self, name):g}: expected {expected}")
+        if not self.selected or set(self.selected) - set(CHAPTERS):
+            raise AdcsError(f"choice chapters = {self.chapters!r}: expected some of {','.join(CHAPTERS)}")
+
+    @property
+    def selected(self) -> tuple[str, ...]:
+        """The chapters to study."""
+        return tuple(part.strip() for part in self.chapters.split(",") if part.strip())

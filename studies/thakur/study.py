@@ -1,35 +1,83 @@
-"""The study of Sec. 5.4.1 and 5.4.2 as a whole."""
+"""The study of the dissertation as a whole, by chapters."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from orchestration import Result
 from orchestration import run as run_system
 from studies.outcome import Outcome, Progress, Runner
-from studies.thakur import exchange_step, noise, noise_free, random_starts
+from studies.thakur import (
+    adaptive_appendage,
+    adaptive_baseline,
+    adaptive_fuel,
+    adaptive_steps,
+    exchange_step,
+    gyro_free,
+    gyro_free_noise,
+    gyro_free_steps,
+    gyro_free_theorem,
+    inertia_errors,
+    noise,
+    noise_free,
+    quest,
+    random_starts,
+)
 from studies.thakur.settings import Choices
 
-TITLE = "Attitude tracking without gyro: Thakur, Sec. 5.4"
+TITLE = "Attitude control with less knowledge: Thakur, chapters 3 to 5"
 SUMMARY = (
-    "A rigid spacecraft follows a turning reference with PD control, once with its true angular velocity and once with "
-    "the estimate of a smooth observer that sees only the attitude quaternion. Each statement of the text on the "
-    "simulations without and with noise is set beside what these components compute, with the criterion used where the "
-    "text gives none."
+    "Three problems of one dissertation. Chapter 3: a spacecraft whose inertia is unknown and changes, as appendages "
+    "move or fuel is burnt, follows a turning reference. Chapter 4: one comes to rest at an attitude from measured "
+    "unit vectors alone, without a gyro. Chapter 5: one follows a turning reference with PD control and the angular "
+    "velocity that a smooth observer makes of the attitude. Each statement of the text on its simulations is set "
+    "beside what these components compute, with the criterion used where the text gives none."
 )
+
+
+@dataclass(frozen=True)
+class Part:
+    """A piece of the study: how many runs it makes, and what makes them."""
+
+    runs: Callable[[Choices], int]
+    outcome: Callable[[Runner, Choices], Outcome]
+
+
+PARTS: dict[str, tuple[Part, ...]] = {
+    "3": (
+        Part(lambda _: adaptive_baseline.RUNS, adaptive_baseline.known_inertia),
+        Part(lambda _: adaptive_appendage.RUNS, adaptive_appendage.moving_appendages),
+        Part(lambda _: adaptive_fuel.RUNS, adaptive_fuel.losing_fuel),
+        Part(lambda _: adaptive_steps.RUNS, adaptive_steps.exchange_steps),
+    ),
+    "4": (
+        Part(lambda _: gyro_free.RUNS, gyro_free.noise_free),
+        Part(lambda _: gyro_free_theorem.RUNS, gyro_free_theorem.theorem),
+        Part(gyro_free_noise.run_count, gyro_free_noise.noisy),
+        Part(lambda choices: choices.starts, gyro_free_noise.random_starts),
+        Part(lambda _: gyro_free_steps.RUNS, gyro_free_steps.exchange_steps),
+    ),
+    "5": (
+        Part(lambda _: noise_free.RUNS, noise_free.noise_free),
+        Part(lambda _: exchange_step.RUNS, exchange_step.exchange_step),
+        Part(noise.run_count, noise.noisy),
+        Part(lambda choices: choices.starts, random_starts.random_starts),
+        Part(lambda _: quest.RUNS, quest.quest),
+        Part(lambda _: inertia_errors.RUNS, inertia_errors.inertia_errors),
+    ),
+}
+"""By chapter, in the order of the text."""
 
 
 def run(
     choices: Choices, progress: Progress, simulate: Callable[..., Result] = run_system
 ) -> tuple[Outcome, list[tuple[str, Mapping[str, Any]]]]:
-    """Run everything; returns the outcome, and label and manifest of each run."""
-    runs = noise_free.RUNS + exchange_step.RUNS + noise.run_count(choices) + choices.starts
-    runner = Runner(progress, runs, simulate)
-    outcome = (
-        noise_free.noise_free(runner, choices)
-        + exchange_step.exchange_step(runner, choices)
-        + noise.noisy(runner, choices)
-        + random_starts.random_starts(runner, choices)
-    )
+    """Run the chapters chosen; returns the outcome, and label and manifest of each run."""
+    parts = [part for chapter, parts in PARTS.items() if chapter in choices.selected for part in parts]
+    runner = Runner(progress, sum(part.runs(choices) for part in parts), simulate)
+    outcome = Outcome()
+    for part in parts:
+        outcome += part.outcome(runner, choices)
     return outcome, runner.runs

@@ -5,8 +5,18 @@ import pytest
 
 from .raw import Raw, unpacked
 
-NAMES = ("FixedAxisReference", "RigidBody", "StarTracker", "SmoothRateObserver", "PdTracking")
-POINTS = 5
+NAMES = (
+    "FixedAxisReference",
+    "RigidBody",
+    "StarTracker",
+    "SmoothRateObserver",
+    "PdTracking",
+    "BoundedAdaptiveTracking",
+    "BoundedEstimationError",
+    "SinusoidalRateReference",
+    "SinusoidalTorque",
+)
+POINTS = 12
 
 
 def random_start(rng: np.random.Generator, raw: Raw) -> dict[str, np.ndarray]:
@@ -15,7 +25,7 @@ def random_start(rng: np.random.Generator, raw: Raw) -> dict[str, np.ndarray]:
         v.name.split("[")[0] for v in unpacked(raw.fmu.modelIdentifier, 2)[1].modelVariables if v.start is not None
     }
     values: dict[str, np.ndarray] = {}
-    for name in names - raw.integers - {"J_B", "max_internal_step", "redraw_period"}:
+    for name in sorted(names - raw.integers - {"J_B", "max_internal_step", "redraw_period", "eta_p"}):
         value = rng.uniform(0.1, 0.9, raw.sizes[name])
         values[name] = value / np.linalg.norm(value) if name.startswith("q_") else value
     return values

@@ -62,8 +62,8 @@ def test_choices_that_cannot_be_judged_are_refused(changes: dict[str, Any], mess
     assert str(error.value) == message
 
 
-@pytest.mark.parametrize("name", SYSTEMS)
-def test_every_system_builds_runs_and_is_shown(name: str) -> None:
+@pytest.mark.parametrize("name", ["observer-pd", "full-state-pd", "quest-observer-pd"])
+def test_every_tracking_system_builds_runs_and_is_shown(name: str) -> None:
     entry = SYSTEMS[name]
     result = run_system(entry.build(), stop_time=1.0, step=entry.step)
     panels = entry.figures(result)

@@ -1,0 +1,1 @@
+"""de Ruiter, observer-based adaptive attitude control with guaranteed performance bounds."""

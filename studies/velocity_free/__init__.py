@@ -1,0 +1,1 @@
+"""Velocity-free passivity-based attitude tracking under measurement errors, disturbances and inertia mismatch."""

@@ -1,0 +1,280 @@
+"""Parameter bindings: which value each variable of each component, and each connector of a system, is given."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from lxml import etree
+
+from fmus.errors import AdcsError
+from orchestration.fmu import Port
+from orchestration.ssp.archive import Home
+from orchestration.ssp.documents import check, local_name, tag
+from orchestration.ssp.parts import FLOAT_TYPES, INTEGER_TYPES, Part, Place, hint, items_of
+from orchestration.ssp.schemas import Kind
+from orchestration.ssp.structure import Binding, ComponentElement, Element, SystemElement, enumerations_in
+from orchestration.ssp.transformation import Items, Transformation, transformation_in
+from orchestration.ssp.units import Unit, named, of_document
+
+_SET = "application/x-ssp-parameter-set"
+_MAPPING = "application/x-ssp-parameter-mapping"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A named value or array of values; `type` is the SSP name. An Enumeration's values are names of items."""
+
+    name: str
+    type: str
+    values: tuple[Any, ...]
+    unit: Unit | None
+    items: Items | None
+    where: str  # file or binding, for messages
+    transformation: etree._Element | None = None
+    suppress: bool = False
+
+
+@dataclass
+class Values:
+    """What the bindings of all levels give: values of components' variables and of systems' connectors."""
+
+    given: dict[Place, Any] = field(default_factory=dict)
+    units: dict[Place, Unit | None] = field(default_factory=dict)
+    """Units of the values of systems' connectors that have none of their own."""
+
+
+class Bindings:
+    """Reads the bindings of all elements, the higher levels after the lower ones, over which they take precedence."""
+
+    def __init__(self, parts: Mapping[tuple[str, ...], Part], shapes: Mapping[Any, tuple[int, ...]]) -> None:
+        self.parts = parts
+        self.shapes = shapes
+        self.values = Values()
+        self._applied: dict[tuple[str, str], bool] = {}
+        self._messages: dict[tuple[str, str], str] = {}
+
+    def read(self, root: SystemElement, *, refuse_unknown: bool) -> Values:
+        """Return the values; a parameter that no binding of its parameter set has a use for is refused."""
+        self._visit(root)
+        for key, applied in self._applied.items():
+            if refuse_unknown and not applied:
+                raise AdcsError(self._messages[key])
+        return self.values
+
+    def _visit(self, element: Element) -> None:
+        if isinstance(element, SystemElement):
+            for child in element.elements.values():
+                self._visit(child)
+        for number, binding in enumerate(element.bindings, 1):
+            for parameter in self._parameters(element, binding, number):
+                self._apply(element, parameter)
+
+    def _parameters(self, element: Element, bound: Binding, number: int) -> list[Parameter]:
+        owner, binding = element.name or "the root system", bound.xml
+        where = f"parameter binding {number} of {owner}"
+        root, where = _content(bound.home, binding, "ParameterValues", _SET, "ssv", where)
+        prefix = binding.get("prefix", "")
+        units, enumerations = of_document(root, "ssv"), enumerations_in(root, "ssv")
+        parameters: dict[str, Parameter] = {}
+        for child in root.iterfind(f"{tag('ssv', 'Parameters')}/{tag('ssv', 'Parameter')}"):
+            name = f"{prefix}{child.get('name')}"
+            if name in parameters:
+                raise AdcsError(f"{where} has two parameters {name!r}: drop one of them")
+            parameters[name] = _parameter(child, name, units, enumerations, where)
+        mapping = binding.find(tag("ssd", "ParameterMapping"))
+        if mapping is None:
+            return list(parameters.values())
+        root, mapped_in = _content(bound.home, mapping, None, _MAPPING, "ssm", f"the parameter mapping of {where}")
+        return list(_mapped(root, parameters, mapped_in))
+
+    def _apply(self, element: Element, parameter: Parameter) -> None:
+        key = (parameter.where, parameter.name)
+        self._applied.setdefault(key, False)
+        owner = element.name or "the system"
+        self._messages[key] = (
+            f"{parameter.where}: {owner} has no variable for the parameter {parameter.name!r}"
+            f"{hint(parameter.name, self._names(element))}: correct the name or take it out"
+        )
+        for target in self._targets(element, parameter.name):
+            self._applied[key] = True
+            if isinstance(target, _Variable):
+                self._give(target, parameter)
+            else:
+                self._give_connector(*target, parameter)
+
+    def _targets(self, element: Element, name: str) -> Iterator[_Variable | tuple[SystemElement, str]]:
+        """Find the variables and connectors that a hierarchical name means; names may contain dots themselves."""
+        if isinstance(element, ComponentElement):
+            part = self.parts[element.path]
+            if name in part.variables:
+                yield _Variable(part, *part.variables[name])
+        elif isinstance(element, SystemElement):
+            if name in element.connectors:
+                yield element, name
+            for child in element.elements.values():
+                prefix = f"{child.path[-1]}."
+                if name.startswith(prefix):
+                    yield from self._targets(child, name.removeprefix(prefix))
+
+    def _names(self, element: Element) -> list[str]:
+        if isinstance(element, ComponentElement):
+            return list(self.parts[element.path].variables)
+        assert isinstance(element, SystemElement)
+        names = list(element.connectors)
+        for child in element.elements.values():
+            names += [f"{child.path[-1]}.{name}" for name in self._names(child)]
+        return names
+
+    def _give(self, target: _Variable, parameter: Parameter) -> None:
+        part, port = target.part, target.port
+        label = f"{parameter.where}: parameter {parameter.name!r}"
+        if len(parameter.values) != len(target.elements):
+            raise AdcsError(f"{label} has {len(parameter.values)} values, {target} takes {len(target.elements)}")
+        places = [Place(part.element.path, port.name, i) for i in target.elements]
+        transformation = _transformation(parameter, part.unit(places[0]), items_of(port), label)
+        for place, value in zip(places, parameter.values, strict=True):
+            number = _item(value, parameter, items_of(port), label)
+            self.values.given[place] = fitting(transformation.apply(number), port, f"{label}: {place}")
+
+    def _give_connector(self, system: SystemElement, name: str, parameter: Parameter) -> None:
+        label = f"{parameter.where}: parameter {parameter.name!r}"
+        connector = system.connectors[name]
+        size = 1
+        for n in self.shapes.get((system.path, name), ()):
+            size *= n
+        if len(parameter.values) != size:
+            raise AdcsError(f"{label} has {len(parameter.values)} values, connector {name} takes {size}")
+        transformation = _transformation(parameter, connector.unit, connector.items, label)
+        for index, value in enumerate(parameter.values):
+            place = Place(system.path, name, index)
+            number = _item(value, parameter, connector.items, label)
+            self.values.given[place] = transformation.apply(number)
+            self.values.units[place] = None if parameter.suppress else parameter.unit
+
+
+def _content(
+    home: Home, binding: etree._Element, inline: str | None, kind: str, schema: Kind, where: str
+) -> tuple[etree._Element, str]:
+    """Return the document that a binding or mapping holds or names, and how to call it."""
+    if binding.get("type", kind) != kind:
+        raise AdcsError(f"{where} has the type {binding.get('type')!r}, which is not supported: only {kind!r} is")
+    if binding.get("sourceBase", "SSD") != "SSD":
+        raise AdcsError(f"{where} is inside its component, which is not supported: put the file into the .ssp")
+    source = binding.get("source")
+    if source:
+        member = home.locate(source, f"the file of {where}")
+        return home.archive.document(member, schema), member
+    holder = binding if inline is None else binding.find(tag("ssd", inline))
+    content = [] if holder is None else [child for child in holder if isinstance(child.tag, str)]
+    if len(content) != 1:
+        raise AdcsError(f"{where} has neither a source nor one {schema} document inside: give it one")
+    check(content[0], where, schema)
+    return content[0], where
+
+
+@dataclass(frozen=True)
+class _Variable:
+    part: Part
+    port: Port
+    elements: tuple[int, ...]
+
+    def __str__(self) -> str:
+        return f"{self.part.element.name}.{self.port.name}"
+
+
+def fitting(value: Any, port: Port, label: str) -> Any:
+    """Return a value as the type of a variable has it; AdcsError if it has none such."""
+    kind = port.type
+    if isinstance(value, bool) != (kind == "Boolean") or isinstance(value, str) != (kind == "String"):
+        raise AdcsError(f"{label} is of type {kind}, and is given {value!r}: correct the type")
+    if isinstance(value, bytes) != (kind == "Binary"):
+        raise AdcsError(f"{label} is of type {kind}, and is given binary data or the reverse: correct the type")
+    if kind.startswith("Float"):
+        return float(value)
+    if "Int" in kind:
+        if isinstance(value, float):
+            raise AdcsError(f"{label} is of type {kind}, and is given the real number {value!r}: correct the type")
+        items = items_of(port)
+        if items is not None and value not in items.values():
+            raise AdcsError(f"{label} is an enumeration without the value {value}: it has {', '.join(items)}")
+    return value
+
+
+def _parameter(
+    xml: etree._Element, name: str, units: Mapping[str, Unit], enumerations: Mapping[str, Items], where: str
+) -> Parameter:
+    child = next(c for c in xml if isinstance(c.tag, str))
+    kind = local_name(child)
+    texts = [value.get("value") for value in child.iterfind("{*}Value")]
+    whole = child.get("value")
+    label = f"{where}: parameter {name!r}"
+    if whole is not None and texts:
+        raise AdcsError(f"{label} has its value twice, as attribute and as elements: drop one")
+    unit = named(units, child.get("unit"))
+    items = None
+    if kind == "Enumeration":
+        items = enumerations.get(child.get("name", ""))
+    values: tuple[Any, ...]
+    if kind in FLOAT_TYPES:
+        values = tuple(float(word) for word in whole.split())
+    elif kind in INTEGER_TYPES:
+        values = tuple(int(word) for word in whole.split())
+    elif kind == "Boolean":
+        values = tuple(word in ("true", "1") for word in whole.split())
+    else:
+        values = tuple(texts) if whole is None else (whole,)
+        if kind == "Binary":
+            values = tuple(bytes.fromhex(value) for value in values)
+    size = 1
+    for dimension in xml.iterfind("{*}Dimension"):
+        if dimension.get("size") is None:
+            raise AdcsError(f"{label} has a dimension without size: give it one")
+        size *= int(dimension.get("size"))
+    if len(values) != size:
+        raise AdcsError(f"{label} has {len(values)} values, its dimensions say {size}")
+    return Parameter(name, kind, values, unit, items, where)
+
+
+def _mapped(root: etree._Element, parameters: Mapping[str, Parameter], where: str) -> Iterator[Parameter]:
+    targets: set[str] = set()
+    for entry in root.iterfind(tag("ssm", "MappingEntry")):
+        source, target = entry.get("source"), entry.get("target")
+        if source not in parameters:
+            raise AdcsError(f"{where} maps the parameter {source!r}, which is not there{hint(source, parameters)}")
+        if target in targets:
+            raise AdcsError(f"{where} maps two parameters to {target!r}: drop one of them")
+        targets.add(target)
+        suppress = entry.get("suppressUnitConversion", "false").strip() in ("true", "1")
+        yield replace(parameters[source], name=target, where=where, transformation=entry, suppress=suppress)
+
+
+def _transformation(parameter: Parameter, unit: Unit | None, items: Items | None, label: str) -> Transformation:
+    """Return conversion of units and what the mapping adds to it."""
+    try:
+        found = Transformation()
+        if parameter.unit is not None and unit is not None and not parameter.suppress:
+            found = found.then(parameter.unit.to(unit))
+        if parameter.transformation is not None:
+            own = transformation_in(parameter.transformation, parameter.items or items, items)
+            if own is not None:
+                found = found.then(own)
+    except AdcsError as error:
+        raise AdcsError(f"{label}: {error}") from None
+    return found
+
+
+def _item(value: Any, parameter: Parameter, items: Items | None, label: str) -> Any:
+    """Return the value of an enumeration's item, by the variable's own enumeration if the parameter names none."""
+    if parameter.type != "Enumeration":
+        return value
+    # with a table the item is one of the parameter's enumeration, else the variable's own numbers count
+    known = (parameter.items or items) if parameter.transformation is not None else (items or parameter.items)
+    if known is None:
+        raise AdcsError(
+            f"{label} is an item of an enumeration, {value!r}, and goes to something else: correct the type"
+        )
+    if value not in known:
+        raise AdcsError(f"{label} is the item {value!r}, the enumeration has {', '.join(known)}")
+    return known[value]

@@ -1,0 +1,171 @@
+"""From an `.ssp` file to a flat system that runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fmus.errors import AdcsError
+from orchestration.fmu import Port, open_fmu
+from orchestration.ssp.archive import STRUCTURE, Archive, Home
+from orchestration.ssp.documents import tag, version_of, whole_number
+from orchestration.ssp.experiment import read_experiment
+from orchestration.ssp.flat import connect, make_wires
+from orchestration.ssp.parameters import Bindings, fitting
+from orchestration.ssp.parts import Part, Place
+from orchestration.ssp.structure import ComponentElement, read_structure
+from orchestration.ssp.wiring import Route, Wiring
+from orchestration.system import NUMERIC, System
+
+
+@dataclass(frozen=True)
+class SspFile:
+    """What an `.ssp` file holds: the system, and of the experiment what the file says; times in seconds.
+
+    `step` is the exchange step, for which SSP has no place: it stands in an annotation of ours or of OMSimulator.
+    """
+
+    path: Path
+    version: str
+    system: System
+    start_time: float | None
+    stop_time: float | None
+    step: float | None
+
+
+def read_ssp(path: str | Path, *, structure: str = STRUCTURE, ignore_unknown_parameters: bool = False) -> SspFile:
+    """Read a system from an `.ssp` file (SSP 1.0 or 2.0); nested systems become one flat one, names `sub/component`.
+
+    `structure` chooses one of several `.ssd` files in it. A parameter that nothing in the system has a use for is
+    refused, for it is most likely misspelt, unless `ignore_unknown_parameters`. Raises AdcsError, in one line, for
+    anything that cannot be run as the file says.
+    """
+    path = Path(path)
+    with Archive(path) as archive:
+        try:
+            return _read(path, archive, structure, refuse_unknown=not ignore_unknown_parameters)
+        except AdcsError as error:
+            raise AdcsError(f"{path.name}: {' '.join(str(error).split())}") from error
+
+
+def _read(path: Path, archive: Archive, structure: str, *, refuse_unknown: bool) -> SspFile:
+    home = Home(archive, archive.locate(structure, "the system structure"))
+    document = home.document()
+    root = read_structure(home)
+    parts = {part.element.path: part for part in map(_part, root.components())}
+    wiring = Wiring(root, parts)
+    values = Bindings(parts, wiring.shapes).read(root, refuse_unknown=refuse_unknown)
+    routes = wiring.routes(values.units)
+    starts, links = _settled(routes, parts, values.given)
+
+    xml = document.find(tag("ssd", "System"))
+    system = System(document.get("name"), xml.get("description") or document.get("description") or "")
+    names = _names(parts)
+    wires = make_wires(links, parts, names)
+    overridden = {(wire.path, wire.port) for wire in wires if wire.whole and not wire.delayed}
+    given, connected = _by_component(starts), _by_component(link.target for link in links)
+    for key, part in _ordered(parts):
+        start = _start_values(part, starts, given.get(key, []), connected.get(key, []), overridden)
+        every = whole_number(part.element.notes.get("every", "1"), f"component {part.element.name}: every", least=1)
+        system.add(names[key], part.path, start, every=every)
+    for wire in wires:
+        connect(system, wire)
+    start_time, stop_time, step = read_experiment(document)
+    return SspFile(path, version_of(document, structure), system, start_time, stop_time, step)
+
+
+def _part(component: ComponentElement) -> Part:
+    member = component.home.locate(component.source, f"the FMU of component {component.name}")
+    file = component.home.archive.fmu(member)
+    try:
+        part = Part(component, member, file, open_fmu(file))
+        part.check()
+    except AdcsError as error:
+        text = str(error).replace(str(file), member)
+        raise AdcsError(text if text.startswith("connector ") else f"component {component.name}: {text}") from error
+    return part
+
+
+def _settled(
+    routes: Iterable[Route], parts: Mapping[tuple[str, ...], Part], given: Mapping[Place, Any]
+) -> tuple[dict[Place, Any], list[Route]]:
+    """Split the routes: values that come from systems' connectors are start values, the others are connections."""
+    starts = {place: value for place, value in given.items() if place.path in parts}
+    links = []
+    for route in routes:
+        port = parts[route.target.path].fmu.ports[route.target.name]
+        if route.source.path in parts:
+            if port.causality != "input":
+                raise AdcsError(f"{route.label}: a value that is computed goes into {port.causality} {route.target}")
+            links.append(route)
+        elif route.source in given:
+            value = route.transformation.apply(given[route.source])
+            starts[route.target] = fitting(value, port, f"{route.label}: {route.target}")
+    return starts, links
+
+
+def _names(parts: Mapping[tuple[str, ...], Part]) -> dict[tuple[str, ...], str]:
+    """Names of the flat system, where a dot ends the component's name and a slash separates systems."""
+    names: dict[tuple[str, ...], str] = {}
+    taken: set[str] = set()
+    for path in parts:
+        name = "/".join(part.replace(".", "_").replace("/", "_") for part in path)
+        if name in taken:
+            raise AdcsError(f"two components would have the name {name!r} in the flat system: rename one of them")
+        names[path] = name
+        taken.add(name)
+    return names
+
+
+def _ordered(parts: Mapping[tuple[str, ...], Part]) -> list[tuple[tuple[str, ...], Part]]:
+    """Return the components in the order that our annotations give, else in that of the document."""
+
+    def order(item: tuple[Any, Part]) -> int:
+        return whole_number(item[1].element.notes.get("order", "0"), f"component {item[1].element.name}: order")
+
+    return sorted(parts.items(), key=order)
+
+
+def _by_component(places: Iterable[Place]) -> dict[tuple[str, ...], list[Place]]:
+    found: dict[tuple[str, ...], list[Place]] = {}
+    for place in places:
+        found.setdefault(place.path, []).append(place)
+    return found
+
+
+def _start_values(
+    part: Part,
+    values: Mapping[Place, Any],
+    given: Iterable[Place],
+    connected: Iterable[Place],
+    overridden: set[tuple[Any, str]],
+) -> dict[str, Any]:
+    """Return the start values of a component's variables as arrays, without those that a connection overrides.
+
+    An input for which there is neither a connection nor a value keeps the FMU's own, as SSP has it.
+    """
+    path = part.element.path
+    names = dict.fromkeys(place.name for place in given if (path, place.name) not in overridden)
+    reached = {(place.name, place.index) for place in connected}
+    for port in part.fmu.ports.values():
+        open_ = any((port.name, i) not in reached for i in range(port.size))
+        if port.causality == "input" and open_ and port.type.startswith(NUMERIC):
+            names.setdefault(port.name)
+    return {name: _array(part, part.fmu.ports[name], values) for name in names}
+
+
+def _array(part: Part, port: Port, given: Mapping[Place, Any]) -> Any:
+    path = part.element.path
+    values = [given.get(Place(path, port.name, i)) for i in range(port.size)]
+    for i, value in enumerate(values):
+        if value is None:
+            if port.start is None:
+                raise AdcsError(f"{part.element.name}.{port.elements[i]} has no value: bind a parameter to it")
+            values[i] = port.start[i]
+    array = np.empty(port.size, dtype=object)
+    array[:] = values
+    return array.reshape(port.shape).tolist() if port.shape else values[0]

@@ -1,0 +1,82 @@
+"""`adcs export`."""
+
+from __future__ import annotations
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from fmus.errors import AdcsError
+from orchestration.ssp import read_ssp
+from orchestration.ssp.cli import app as commands
+from studies.registry import SYSTEMS
+
+
+@pytest.fixture
+def export(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    app = typer.Typer()
+    app.registered_commands += commands.registered_commands
+    app.command("other")(lambda: None)  # one command alone would lose its name
+
+    def call(*arguments):
+        result = CliRunner().invoke(app, ["export", *arguments])
+        if result.exception is not None and not isinstance(result.exception, SystemExit):
+            raise result.exception
+        assert result.exit_code == 0, result.output
+        return result.output
+
+    return call
+
+
+def test_a_system_by_name(export):
+    printed = export("observer-pd", "--ssp")
+    assert printed.startswith("observer-pd.ssp: 5 components, 9 connections, ")
+    file = read_ssp("observer-pd.ssp")
+    assert (file.stop_time, file.step, file.version) == (100.0, 0.01, "1.0")
+    assert file.system.connections == SYSTEMS["observer-pd"].build().connections
+
+
+def test_into_a_file_with_settings(export):
+    export(
+        "observer-pd",
+        "--ssp",
+        "a/b.ssp",
+        "--fmi",
+        "3",
+        "--set",
+        "tracker.half_angle=2deg",
+        "--step",
+        "0.1",
+        "--stop",
+        "7",
+    )
+    file = read_ssp("a/b.ssp")
+    assert (file.stop_time, file.step, file.version) == (7.0, 0.1, "2.0")
+    assert file.system.components["tracker"].start["half_angle"] == pytest.approx((0.0349065850398866,), rel=1e-14)
+
+
+def test_from_a_file_into_another(export):
+    export("observer-pd", "--ssp", "a.ssp")
+    export("a.ssp", "--ssp", "b.ssp", "--set", "tracker.seed=9")
+    assert read_ssp("b.ssp").system.components["tracker"].start["seed"] == (9,)
+    assert read_ssp("b.ssp").step == 0.01
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["nonsense"], "no system 'nonsense': choose one of observer-pd"),
+        (["observer-pd", "--ssp", "x.zip"], "x.zip does not end in .ssp"),
+        (["x.ssp"], "say where to: adcs export x.ssp --ssp FILE.ssp"),
+        (["x.ssp", "y.ssp"], "cannot open x.ssp"),
+        (["x.ssp", "y.ssp", "--fmi", "3"], "the FMUs in x.ssp stay as they are"),
+        (["observer-pd", "--set", "tracker.seed"], "--set tracker.seed: expected COMPONENT.VARIABLE=VALUE"),
+        (["observer-pd", "--set", "tracker.sed=1"], "has no variable 'sed'"),
+        (["observer-pd", "--step", "-1"], "step = -1.0: expected a positive number"),
+    ],
+)
+def test_slips_are_named(export, arguments, message):
+    with pytest.raises(AdcsError) as caught:
+        export(*arguments)
+    assert message in str(caught.value)

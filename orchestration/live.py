@@ -1,4 +1,4 @@
-"""What may happen during a co-simulation: changes at given times, inputs from a table, a condition that ends it, pace."""
+"""What may happen during a co-simulation: changes at times, inputs from a table, a condition that ends it, pace."""
 
 from __future__ import annotations
 

@@ -36,9 +36,10 @@ def _from_ssp(path: Path) -> SystemEntry:
     from orchestration.ssp import read_ssp
 
     file = read_ssp(path)
-    stop = _STOP if file.stop_time is None else file.stop_time
-    step = (stop - (file.start_time or 0.0)) / _STEPS if file.step is None else file.step
-    return _entry(path.stem, file.system, stop, step)
+    start = file.start_time or 0.0
+    stop = start + _STOP if file.stop_time is None else file.stop_time
+    step = (stop - start) / _STEPS if file.step is None else file.step
+    return _entry(path.stem, file.system, start, stop, step)
 
 
 def _from_fmu(path: Path) -> SystemEntry:
@@ -51,13 +52,14 @@ def _from_fmu(path: Path) -> SystemEntry:
         if port.causality == "input" and port.type.startswith(NUMERIC) and port.start is not None:
             system.set(f"{name}.{port.name}", np.reshape(port.start, port.shape))
     experiment = fmu.model.defaultExperiment
-    stop = float(experiment.stopTime or _STOP) if experiment else _STOP
-    step = float(experiment.stepSize or stop / _STEPS) if experiment else stop / _STEPS
-    return _entry(path.stem, system, stop, step)
+    start = float(experiment.startTime or 0.0) if experiment else 0.0
+    stop = float(experiment.stopTime or start + _STOP) if experiment else start + _STOP
+    step = float(experiment.stepSize or (stop - start) / _STEPS) if experiment else (stop - start) / _STEPS
+    return _entry(path.stem, system, start, stop, step)
 
 
-def _entry(name: str, system: System, stop: float, step: float) -> SystemEntry:
-    return SystemEntry(name, system.description, "", lambda: system, stop, step, figures, key_numbers)
+def _entry(name: str, system: System, start: float, stop: float, step: float) -> SystemEntry:
+    return SystemEntry(name, system.description, "", lambda: system, stop, step, figures, key_numbers, start)
 
 
 def figures(result: Result) -> Sequence[Panel]:

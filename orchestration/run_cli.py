@@ -7,6 +7,7 @@ import re
 import shlex
 import sys
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
@@ -18,6 +19,8 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 from rich.table import Table
 
 from fmus.errors import AdcsError
+from hil_bridge import options as ground
+from hil_bridge.options import Options
 from orchestration import plots, report
 from orchestration.accuracy import Estimate, estimate_error
 from orchestration.coupled import SolverName
@@ -36,6 +39,7 @@ Format = Literal["csv", "mat", "hdf5"]
 _REPORT_FILES = ("report.html", "report.png")
 _LARGE = 20_000_000  # values; more are written, but not read again for key numbers and report
 _NUMERICS, _DURING, _RESULTS = "How it is solved", "What happens during the run", "Results"
+_GROUND = "Ground tools"
 
 app = typer.Typer()
 
@@ -154,6 +158,44 @@ def run(
         typer.Option(help="Save it every so many simulated seconds, too [s].", rich_help_panel=_DURING),
     ] = None,
     resume: Annotated[Path | None, typer.Option(help="Go on from a saved state.", rich_help_panel=_DURING)] = None,
+    mavlink: Annotated[
+        bool,
+        typer.Option(
+            "--mavlink",
+            help="Stream the run by MAVLink, in real time unless --real-time says otherwise.",
+            rich_help_panel=_GROUND,
+        ),
+    ] = False,
+    to: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="KIND:HOST:PORT",
+            help="Where ground tools are: udpout:, udpin: or tcpin:; may be repeated. "
+            "[default: udpout:127.0.0.1:14550 and :14540]",
+            rich_help_panel=_GROUND,
+        ),
+    ] = None,
+    allow: Annotated[
+        str,
+        typer.Option(metavar="WHAT,...", help="Let them: arm, param, attitude.", rich_help_panel=_GROUND),
+    ] = "",
+    frame: Annotated[
+        Literal["ned", "lvlh", "eci"],
+        typer.Option(help="Frame of the attitude that they are shown.", rich_help_panel=_GROUND),
+    ] = "ned",
+    map_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--map",
+            metavar="ROLE=NAME",
+            help="Variable that they are shown as attitude, rate, ...; or a TOML file; may be repeated.",
+            rich_help_panel=_GROUND,
+        ),
+    ] = None,
+    tlog: Annotated[
+        Path | None,
+        typer.Option(help="Write a telemetry log, with or without --mavlink.", rich_help_panel=_GROUND),
+    ] = None,
     record: Annotated[
         list[str] | None,
         typer.Option(
@@ -201,6 +243,7 @@ def run(
     folder.mkdir(parents=True, exist_ok=True)  # refused now, rather than after the run
     wanted = record if no_report else _with_outputs(built, record)  # the report needs more than what is written
     settings: dict[str, Any] = {
+        "start_time": entry.start_time,
         "stop_time": entry.stop_time if stop is None else stop,
         "step": entry.step if step is None else step,
         "method": method,
@@ -221,7 +264,19 @@ def run(
         "hdf5": folder / "result.h5" if formats == ["hdf5"] else None,
     }
     errors: Estimate | None = None
-    with _progress() as progress:
+    attached: AbstractContextManager[Any] = nullcontext()
+    if mavlink or tlog is not None:
+        if estimate:
+            raise AdcsError("--estimate-error repeats the run, which --mavlink and --tlog would show: leave one out")
+        if mavlink and real_time is None:
+            settings["real_time"] = 1.0
+        options = Options(to or (), allow, frame, maps=map_ or (), tlog=tlog, network=mavlink)
+        attached = watcher = ground.attached(built, options, step=settings["step"], speed=settings["real_time"] or 1.0)
+        settings["watchers"] = [watcher]
+        wanted = _with_outputs(built, wanted)
+    elif to or allow or map_:
+        raise AdcsError("--to, --allow and --map are for ground tools: add --mavlink")
+    with attached, _progress() as progress:
         for name in _REPORT_FILES:  # those of an earlier run would not belong to the other files
             (folder / name).unlink(missing_ok=True)
         task = progress.add_task(entry.name, total=1.0)

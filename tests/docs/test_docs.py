@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 import typer.main
 
+from fmus.catalog import components
 from orchestration.cli import app
 
 ROOT = Path(__file__).parents[2]
@@ -107,3 +108,10 @@ def test_pictures_are_small() -> None:
     assert pictures
     for picture in pictures:
         assert picture.stat().st_size < 300_000, picture.name
+
+
+def test_every_component_stands_in_the_list() -> None:
+    page = (ROOT / "docs" / "components.md").read_text(encoding="utf-8")
+    for component in components():
+        header = component.header.relative_to(ROOT).as_posix()
+        assert f"| [{component.name}](../{header}) | {component.summary} |" in page, component.name

@@ -102,10 +102,21 @@ def test_inputs_from_a_table(run, tmp_path):
     assert got["plant.torque_disturbance_B[3][N.m]"].to_numpy() == pytest.approx(4 * got.index.to_numpy(), abs=1e-15)
 
 
+def test_an_exported_system_runs_to_the_same_bits(run, tmp_path, capsys):
+    file = tmp_path / "t5.ssp"
+    assert adcs("export", "observer-pd", "--ssp", file, "--fmi", "3", "--set", "tracker.half_angle=0.5deg") == 0
+    run("--stop", 2, "--set", "tracker.half_angle=0.5deg")
+    expected = (tmp_path / "result.csv").read_bytes()
+    printed, manifest = run("--stop", 2, system=str(file))
+    assert (tmp_path / "result.csv").read_bytes() == expected
+    assert {c["fmi_version"] for c in manifest["system"]["components"].values()} == {"3.0"}
+    assert printed["outcome"]["rows"] == 201
+
+
 def test_an_fmu_file_runs_alone(run, tmp_path):
     from fmus import fmu_path
 
-    printed, manifest = run(
+    printed, _ = run(
         *("--stop", 2, "--step", 0.5, "--set", "RigidBody.omega_BN_B=0,0,0.5"),
         *("--set", "RigidBody.J_B=[[10,0,0],[0,19,0],[0,0,25]]"),
         system=str(fmu_path("RigidBody")),

@@ -12,7 +12,7 @@ SOURCES_CXX = $(shell git ls-files '*.hpp' '*.cpp' 'orchestration/engine/*.c' 'o
 
 help:
 	@sed -n 's/^# \{0,1\}//p' Makefile | head -3
-	@echo "make lint (needs a C++ compiler) | format | fmus (all platforms) | check | sanitize (needs a C++ compiler) | bench | lock | clean"
+	@echo "make lint (needs a C++ compiler) | format | fmus (all platforms; COMPONENTS="RigidBody ..." for some) | check | sanitize (needs a C++ compiler) | bench | lock | clean"
 
 $(VENV)/installed: requirements/run.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed, this is " + sys.version.split()[0] + "; try: make PYTHON=python3.12" if sys.version_info < (3, 11) else 0)'
@@ -34,10 +34,10 @@ test: $(VENV)/installed-dev
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
 fmus: $(VENV)/installed
-	$(BIN)/adcs build --all-platforms
+	$(BIN)/adcs build --all-platforms $(COMPONENTS)
 
 check: $(VENV)/installed
-	$(BIN)/adcs check
+	$(BIN)/adcs check $(COMPONENTS)
 
 lint: $(VENV)/installed-dev
 	$(BIN)/ruff format --check .
@@ -52,12 +52,12 @@ format: $(VENV)/installed-dev
 	$(BIN)/ruff check --fix .
 	$(BIN)/clang-format -i $(SOURCES_CXX)
 
-# Needs a system C++ compiler with the sanitizers' libraries, GCC or Clang.
+# Needs a system C++ compiler with the sanitizers' libraries, GCC or Clang; of all components it takes half an hour.
 sanitize: $(VENV)/installed-dev
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/cmake --preset sanitize
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/cmake --preset sanitize -DADCS_COMPONENTS="$(COMPONENTS)"
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/cmake --build --preset sanitize
 	$(BIN)/ctest --preset sanitize
-	$(BIN)/adcs build
+	$(BIN)/adcs build $(COMPONENTS)
 	$(BIN)/python tests/sanitized.py
 
 bench: $(VENV)/installed-dev
@@ -68,7 +68,7 @@ bench: $(VENV)/installed-dev
 lock:
 	$(BIN)/python -m pip install --quiet uv
 	$(BIN)/uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url --quiet -o requirements/run.lock
-	$(BIN)/uv pip compile pyproject.toml --all-extras --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url --quiet -o requirements/dev.lock
+	$(BIN)/uv pip compile pyproject.toml --extra test --extra dev --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url --quiet -o requirements/dev.lock
 
 clean:
 	rm -rf build fmus/dist results

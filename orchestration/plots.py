@@ -6,13 +6,13 @@ from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
 Dash = Literal["solid", "dash", "dot"]
@@ -186,6 +186,9 @@ def _plotly_guide_label(panel: Panel, guide: Guide) -> dict[str, Any]:
 
 def write_png(path: str | Path, panels: Sequence[Panel], title: str = "", columns: int = 2) -> None:
     """All panels in one picture, row by row in a grid; the folder of `path` is made if it is missing."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # not at the top: takes most of a second to load
+    from matplotlib.figure import Figure
+
     columns = min(columns, len(panels))
     rows = -(-len(panels) // columns)
     figure = Figure(figsize=(6.4 * columns, 3.9 * rows + (0.5 if title else 0)), dpi=150, layout="constrained")

@@ -7,6 +7,8 @@ import sys
 import typer
 
 import fmus.cli
+import hil_bridge.cli
+import hil_bridge.hil.cli
 import orchestration.linear_cli
 import orchestration.run_cli
 import orchestration.ssp.cli
@@ -24,7 +26,9 @@ for _part in (
     orchestration.run_cli.app,
     orchestration.ssp.cli.app,
     orchestration.linear_cli.app,
+    hil_bridge.hil.cli.app,
     studies.cli.app,
+    hil_bridge.cli.app,
 ):
     app.registered_commands += _part.registered_commands
 

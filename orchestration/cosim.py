@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -32,6 +32,18 @@ _PATIENCE = 0.1  # s, between two looks at progress
 _MOST = 1_000_000  # points between two looks
 
 
+class Watcher(Protocol):
+    """Takes part in a run, point by point."""
+
+    def __call__(self, simulation: CoSimulation) -> Sequence[Change]:
+        """See the point that was recorded last, `simulation.k - 1`; return changes to make at point `simulation.k`."""
+        ...
+
+    def report(self) -> Mapping[str, Any]:
+        """Return what the manifest is to have of it."""
+        ...
+
+
 @dataclass(frozen=True)
 class Course:
     """What happens during a co-simulation, besides time going on.
@@ -50,6 +62,7 @@ class Course:
     checkpoint: Path | None = None
     checkpoint_every: float | None = None  # s
     resume: Checkpoint | None = None
+    watchers: Sequence[Watcher] = ()
 
 
 def cosimulate(
@@ -102,6 +115,8 @@ def cosimulate(
                 account["algebraic_loops"] = simulation.loop_reports
             if course.pace is not None:
                 account["real_time"] = course.pace.report()
+            for watcher in course.watchers:
+                account |= watcher.report()
             if driver.met_at is not None:
                 account["stopped"] = driver.met_at
 
@@ -131,6 +146,8 @@ class _Driver:
                 began = perf_counter()
                 n = self._allowed(count)
                 self._advance(watched, n)
+                for watcher in self._course.watchers:
+                    self._pending = [*watcher(simulation), *self._pending]
                 self._progress((simulation.k) / (simulation.last + 1))
                 if watched.interrupted:
                     self._saves.last()
@@ -156,6 +173,8 @@ class _Driver:
         if self._pending:
             count = min(count, self._pending[0].k - simulation.k)
         count = min(count, self._saves.points())
+        if self._course.watchers:
+            count = 1
         if self._course.pace is not None:
             count = min(count, self._course.pace.wait(simulation.k))
         return count

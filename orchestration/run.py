@@ -16,7 +16,7 @@ import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration.checkpoint import Checkpoint
-from orchestration.cosim import Course, Progress, cosimulate
+from orchestration.cosim import Course, Progress, Watcher, cosimulate
 from orchestration.coupled import CoupledModel, SolverName, couple
 from orchestration.fmu import FmiVersion, Kind
 from orchestration.grid import Grid
@@ -57,6 +57,7 @@ def run(
     checkpoint: str | Path | None = None,
     checkpoint_every: float | None = None,
     resume: str | Path | None = None,
+    watchers: Sequence[Watcher] = (),
     progress: Progress | None = None,
 ) -> Result:
     """Run a system from start_time to stop_time (s) and record at t_k = start_time + k*step: N steps, N+1 rows.
@@ -74,6 +75,7 @@ def run(
     (s) gives up a component of which one call takes longer. `adaptive` is a tolerance: between two rows 2^j exchange
     steps are taken, chosen by step doubling. `checkpoint` names a file for the state at the end, and every
     `checkpoint_every` seconds of simulated time; `resume` goes on from such a file, at whose time is the first row.
+    `watchers` are called after each point, and may ask for changes at the next.
 
     Raises AdcsError when the run cannot start, RunFailed when a component fails on the way, RunInterrupted on Ctrl-C;
     the last two carry what was recorded as `.result`.
@@ -110,10 +112,12 @@ def run(
         checkpoint=None if checkpoint is None else Path(checkpoint),
         checkpoint_every=checkpoint_every,
         resume=saved,
+        watchers=watchers,
     )
     if adaptive is not None:
         others: dict[str, Any] = {"record_every": record_every > 1, "until": until, "real_time": real_time}
         others |= {"inputs": inputs, "changes": changes, "checkpoint": checkpoint, "resume": resume}
+        others |= {"watchers": watchers}
         for name in (name for name, given in others.items() if given):
             raise AdcsError(f"{name}: not together with adaptive exchange steps")
     if method == "model-exchange":
@@ -194,6 +198,7 @@ def _only_in_cosimulation(course: Course, to_file: bool) -> None:
         "adaptive": course.adaptive is not None,
         "checkpoint": course.checkpoint is not None,
         "resume": course.resume is not None,
+        "watchers": bool(course.watchers),
     }
     for name in (name for name, given in asked.items() if given):
         raise AdcsError(f"{name}: only co-simulation has it, not model-exchange")

@@ -263,6 +263,10 @@ def run(
         "record_every": record_every,
         "hdf5": folder / "result.h5" if formats == ["hdf5"] else None,
     }
+    if settings["stop_time"] == entry.start_time:
+        raise AdcsError(f"stop = {entry.start_time:g} s is the start time: give a later one")
+    if settings["step"] > 0:
+        entry.check_step(settings["step"])
     errors: Estimate | None = None
     attached: AbstractContextManager[Any] = nullcontext()
     if mavlink or tlog is not None:
@@ -423,7 +427,7 @@ def _error_table(errors: Estimate) -> report.Table:
 
 
 def _as_json(result: Result, numbers: Sequence[report.KeyNumber], files: Sequence[Path]) -> str:
-    optional = ("real_time", "algebraic_loops", "adaptive", "error_estimate")
+    optional = ("real_time", "algebraic_loops", "adaptive", "error_estimate", "commands", "mavlink", "tlog")
     content: dict[str, Any] = {
         "system": result.system.name,
         "outcome": result.manifest["outcome"],
@@ -480,6 +484,12 @@ def _lines(result: Result) -> list[str]:
             f"paced at {pace['speed']:g} times real time: late by {1e3 * pace['late_median_s']:.3g} ms in the median, "
             f"{1e3 * pace['late_99_percent_s']:.3g} ms at 99 %, {1e3 * pace['late_most_s']:.3g} ms at most"
         )
+    lines += [f"t = {t:.9g} s: {name} = {value} by {who}" for t, name, value, who in manifest.get("commands", [])[:10]]
+    lines += [
+        f"{each['endpoint']}: {each['sent']} messages sent, {each['not_sent']} not, {each['received']} received"
+        for each in manifest.get("mavlink", {}).get("endpoints", [])
+        if isinstance(each, dict)
+    ]
     lines += [
         f"algebraic loop of {loop['path']}: solved {loop['solved']} times by {loop['method']} in "
         f"{loop['iterations'] / max(loop['solved'], 1):.3g} iterations on average, {loop['most_iterations']} at "

@@ -56,6 +56,7 @@ class SystemEntry:
     figures: Callable[[Result], Sequence[Panel]]
     key_numbers: Callable[[Result], Sequence[KeyNumber]]
     start_time: float = 0.0  # s
+    check_step: Callable[[float], object] = lambda step: None  # refuses an exchange step [s]
 
 
 @dataclass(frozen=True)
@@ -197,6 +198,7 @@ SYSTEMS = {
                 1 / trigo.CONTROL_RATE,
                 trigo_views.figures,
                 trigo_views.key_numbers,
+                check_step=lambda step: trigo_systems.stride(step, trigo.CONTROL_RATE),
             )
             for name, description, build in trigo_systems.CATALOG
         ),

@@ -9,8 +9,8 @@
 /// Draw $k$ is a function of `seed` and $k$ alone. The measured MRP is that of the shadow set, $|\sigma|\le 1$.
 #pragma once
 
+#include "attitude/gaussian.hpp"
 #include "attitude/mrp.hpp"
-#include "attitude/random.hpp"
 #include "fmi/declaration.hpp"
 #include "fmi/lifted.hpp"
 
@@ -68,17 +68,6 @@ struct AttitudeRateSensor {
                    ? nullptr
                    : "attitude_noise or rate_noise is above 0, but period is 0: noise is drawn per sample, give a "
                      "period";
-    }
-
-private:
-    /// Three independent standard normal numbers (Box and Muller 1958).
-    static Vec3<double> gaussian(Random& random) {
-        Vec3<double> x;
-        for (int i = 0; i < 3; ++i) {
-            const double radius = std::sqrt(-2.0 * std::log(1.0 - random.uniform()));
-            x[i] = radius * std::cos(6.2831853071795865 * random.uniform());
-        }
-        return x;
     }
 };
 

@@ -127,6 +127,12 @@ def test_an_fmu_file_runs_alone(run, tmp_path):
     assert {k["label"] for k in printed["key_numbers"]} == {"RigidBody.kinetic_energy"}
 
 
+def test_an_exchange_step_that_does_not_divide_the_control_period_is_refused(capsys):
+    assert adcs("run", "trigo-bs", "--step", "0.03", "--stop", "3") == 1
+    message = "adcs: the control period, 1/10 s, is not a whole number of exchange steps of 0.03 s"
+    assert capsys.readouterr().err.startswith(message)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -136,6 +142,7 @@ def test_an_fmu_file_runs_alone(run, tmp_path):
         (("--every", "tracker=0"), "adcs: --every tracker=0: expected COMPONENT=N"),
         (("--delay", "plant.torque_disturbance_B=1"), "adcs: nothing is connected to plant.torque_disturbance_B"),
         (("--delay", "plant.torque_B=late"), "adcs: --delay plant.torque_B: 'late' is not a time"),
+        (("--stop", "0"), "adcs: stop = 0 s is the start time: give a later one"),
         (("--format", "xls"), "adcs: --format xls: expected csv, mat, hdf5"),
         (("--resume", "nothing"), "adcs: cannot open nothing: No such file or directory"),
         (("--inputs", "nothing.csv"), "adcs: cannot open nothing.csv: No such file or directory"),

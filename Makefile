@@ -63,6 +63,10 @@ sanitize: $(VENV)/installed-dev
 bench: $(VENV)/installed-dev
 	$(BIN)/adcs build
 	$(BIN)/python -m benchmarks
+	$(BIN)/python -m benchmarks.ring
+	$(BIN)/python -m benchmarks.backstepping
+	$(BIN)/python -m benchmarks.lockstep
+	$(BIN)/python -m benchmarks.mavlink
 
 # Names, versions and hashes of everything that is installed, for all platforms and Python versions.
 lock:

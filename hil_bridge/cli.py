@@ -118,18 +118,21 @@ def bridge(
         _list(built, map_ or [], show or [])
         return
     exchange = entry.step if step is None else step
+    if exchange > 0:
+        entry.check_step(exchange)
     options = Options(
         out or (), allow, frame, epoch, position, map_ or (), show or (), rate or (), expose, peer or (), key, tlog,
         wheel_limit,
     )  # fmt: skip
-    watcher = attached(built, options, step=exchange, speed=speed)
+    start = entry.start_time
+    watcher = attached(built, options, step=exchange, start=start, speed=speed)
     assert isinstance(watcher, Bridge)
-    steps = ENDLESS if stop is None else Grid.make(0.0, stop, exchange).steps
+    steps = ENDLESS if stop is None else Grid.make(start, stop, exchange).steps
     if fifo:
         _prioritise()
     pace = Pace(Grid(0.0, exchange, 0), speed)
     console = Console(stderr=True)
-    with CoSimulation(built, step=exchange, steps=steps) as simulation, watcher:
+    with CoSimulation(built, step=exchange, start_time=start, steps=steps) as simulation, watcher:
         console.print(f"{entry.name} at {speed:g} times real time, for {', '.join(watcher.endpoints)}; Ctrl-C ends it")
         pace.start(0)
         try:

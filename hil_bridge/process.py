@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import sys
+from contextlib import suppress
 from threading import Thread
 
 from fmus.errors import AdcsError
@@ -32,7 +34,8 @@ def main() -> None:
 
     Thread(target=wait_for_end, daemon=True).start()
     server.serve()
-    print(json.dumps(server.report()), flush=True)
+    with suppress(OSError):  # the run may be gone
+        os.write(1, (json.dumps(server.report()) + "\n").encode())
 
 
 if __name__ == "__main__":

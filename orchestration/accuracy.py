@@ -48,7 +48,9 @@ def estimate_error(
     settings = dict(result.manifest["settings"])
     if settings["method"] != "co-simulation":
         raise AdcsError("the error of the exchange step is a matter of co-simulation: model-exchange has none")
-    common = {"record": result.names, "progress": progress}
+    settings.pop("until", None)
+    settings["stop_time"] = float(result.time[-1])
+    common = {"record": result.names, "progress": progress, "solve_loops": settings.pop("solve_loops", None)}
     obstacle = _obstacle(result.system, settings)
     if obstacle is None:
         times = {name: settings[name] for name in ("start_time", "stop_time", "step", "fmi_version")}
@@ -58,10 +60,10 @@ def estimate_error(
         return _compare(result, truth, 1.0, "coupled model exchange", "compared with the solution as one equation")
     settings.pop("real_time", None)
     if "adaptive" in settings or "resume" in settings:
-        raise AdcsError("the error of an adaptive or a resumed run can be estimated only if all can be coupled")
+        raise AdcsError("the error of an adaptive or a resumed run cannot be estimated by halving the step")
     settings["step"] /= 2
     settings["record_every"] = 2 * settings.get("record_every", 1)
-    finer = run(result.system, **settings, **common)
+    finer = run(result.system.refined(), **settings, **common)
     note = f"twice the difference to half the exchange step, because {obstacle}"
     return _compare(result, {name: finer[name] for name in result.names}, 2.0, "step halving", note)
 
@@ -72,11 +74,11 @@ def _obstacle(system: System, settings: Mapping[str, Any]) -> str | None:
         if component.fmu.model.modelExchange is None:
             return f"{component.name} has no Model Exchange interface"
         if component.every > 1:
-            return f"{component.name} communicates at every {component.every}th step only"
+            return f"{component.name} communicates at every {component.every} steps only"
     for connection in system.connections:
         if connection.delayed:
             return f"the connection to {connection.target} is delayed"
-    for name in ("changes", "inputs", "until", "resume"):
+    for name in ("changes", "inputs", "resume"):
         if name in settings:
             return f"the run has {name}"
     return None

@@ -32,7 +32,7 @@ def check(simulation: CoSimulation, tolerance: float) -> None:
             )
     for component in simulation.system.components.values():
         if component.every > 1:
-            raise AdcsError(f"{component.name} communicates at every {component.every}th step: not with adaptive steps")
+            raise AdcsError(f"{component.name} communicates at every {component.every} steps: not with adaptive steps")
     for connection in simulation.system.connections:
         if connection.delayed:
             raise AdcsError(f"the connection to {connection.target} is delayed: not with adaptive exchange steps")

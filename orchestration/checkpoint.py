@@ -40,7 +40,7 @@ class Checkpoint:
             return cls(path, int(about.pop("k")), about, arrays)
         except OSError as error:
             raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
-        except (ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        except (ValueError, KeyError, EOFError, TypeError, AttributeError, zipfile.BadZipFile):
             raise AdcsError(f"{path} is not a checkpoint of this program") from None
 
     def apply(self, simulation: CoSimulation) -> None:
@@ -49,6 +49,15 @@ class Checkpoint:
             there = self.about.get(key)
             if here != there:
                 raise AdcsError(f"{self.path} is of another run: {key} is {_difference(there, here)}")
+        if not aligned(simulation, self.k):
+            raise not_aligned(simulation, self.k)
+        states = [f"state_{i}" for i in range(len(simulation.instances))]
+        rings = {f"ring_{i}": ring.values.shape for i, ring in enumerate(simulation.rings)}
+        shapes = {"signals": simulation.signals.shape, **rings}
+        if any(n not in self.arrays or self.arrays[n].shape != shape for n, shape in shapes.items()) or not all(
+            name in self.arrays for name in states
+        ):
+            raise AdcsError(f"{self.path} is not complete, or of another run")
         simulation.k = self.k
         simulation.signals[:] = self.arrays["signals"]
         for i, ring in enumerate(simulation.rings):
@@ -97,18 +106,22 @@ def not_aligned(simulation: CoSimulation, k: int) -> AdcsError:
     """Put into words that a checkpoint is not possible at point k."""
     name, every = next((c.name, c.every) for c in simulation.system.components.values() if k % c.every)
     time = simulation.start + k * simulation.step
-    return AdcsError(f"no checkpoint at t = {time:.9g} s: {name} communicates at every {every}th step, and not then")
+    return AdcsError(f"no checkpoint at t = {time:.9g} s: {name} communicates at every {every} steps, and not then")
 
 
 def _about(simulation: CoSimulation) -> dict[str, Any]:
     connections = [
-        [c.source, c.target, c.factor, c.offset, c.delay_steps, c.delay] for c in simulation.system.connections
+        [c.source, c.target, c.factor, c.offset, [list(pair) for pair in c.mapping], c.delay_steps, c.delay]
+        for c in simulation.system.connections
     ]
+    components = simulation.system.components.values()
     return {
         "start time": simulation.start,
         "step": simulation.step,
         "FMUs": {name: instance.fmu.sha256 for name, instance in simulation.instances.items()},
         "connections": connections,
+        "start values": {c.name: {n: repr(v) for n, v in sorted(c.start.items())} for c in components},
+        "rates": {c.name: c.every for c in components},
         "recorded variables": list(simulation.recording.ports),
         "inputs from outside": list(simulation.external),
     }

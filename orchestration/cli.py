@@ -40,3 +40,8 @@ def main() -> None:
     except AdcsError as error:
         print(f"adcs: {error}", file=sys.stderr)
         sys.exit(1)
+    except OSError as error:  # a folder that is none, a disk that is full
+        if error.filename is None:
+            raise
+        print(f"adcs: {error.filename}: {error.strerror}", file=sys.stderr)
+        sys.exit(1)

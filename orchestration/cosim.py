@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import inf
 from pathlib import Path
 from time import perf_counter
@@ -30,6 +31,7 @@ Progress = Callable[[float], Any]
 
 _PATIENCE = 0.1  # s, between two looks at progress
 _MOST = 1_000_000  # points between two looks
+_GIVEN_UP: list[CoSimulation] = []
 
 
 class Watcher(Protocol):
@@ -142,9 +144,14 @@ class _Driver:
             while simulation.k <= simulation.last and self.met_at is None:
                 while self._pending and self._pending[0].k == simulation.k:
                     change = self._pending.pop(0)
-                    watched(lambda change=change: change.apply(simulation))  # type: ignore[misc]
+                    now = (simulation.k, change.name.partition(".")[0], f"setting {change.name}")
+                    watched(partial(change.apply, simulation), partial(tuple, now))
                 began = perf_counter()
-                n = self._allowed(count)
+                try:
+                    n = self._allowed(count)
+                except KeyboardInterrupt:  # while waiting for the time to go on
+                    self._saves.last()
+                    raise
                 self._advance(watched, n)
                 for watcher in self._course.watchers:
                     self._pending = [*watcher(simulation), *self._pending]
@@ -158,8 +165,13 @@ class _Driver:
             self._saves.last()
         except Hung as hung:
             k, name, action = hung.doing
-            if name in simulation.instances:
-                simulation.instances[name].abandon()
+            # the call may come back: nothing that it, or what comes after it, works on may be freed
+            simulation.loop.stop(at_once=True)
+            for instance in simulation.instances.values():
+                instance.abandon()
+            _GIVEN_UP.append(simulation)
+            if watched.interrupted:
+                raise KeyboardInterrupt from None
             failed = CallFailed(name or "the system", f"{action} did not return within {self._course.timeout:g} s")
             failed.time = simulation.start + k * simulation.step
             raise failed from None
@@ -169,7 +181,8 @@ class _Driver:
     def _allowed(self, count: int) -> int:
         """How many points may be taken at once."""
         simulation = self._simulation
-        count = min(count, simulation.last + 1 - simulation.k, self._recording.capacity)
+        room = self._recording.capacity * self._course.record_every
+        count = max(1, min(count, simulation.last + 1 - simulation.k, room))
         if self._pending:
             count = min(count, self._pending[0].k - simulation.k)
         count = min(count, self._saves.points())
@@ -225,6 +238,8 @@ class _Saves:
             if not checkpoint.aligned(simulation, simulation.last):
                 raise checkpoint.not_aligned(simulation, simulation.last)
         if course.checkpoint_every is not None:
+            if not course.checkpoint_every > 0:
+                raise AdcsError(f"checkpoint_every = {course.checkpoint_every:g} s: expected a positive time")
             self._every = Grid.make(0.0, course.checkpoint_every, simulation.step).steps
             if not checkpoint.aligned(simulation, self._every):
                 raise checkpoint.not_aligned(simulation, self._every)

@@ -26,8 +26,10 @@ class FileRecording(Recording):
     def __init__(self, system: System, record: Sequence[str] | None, path: Path) -> None:
         super().__init__(system, record)
         self.path = path
+        _check(path, self.ports)
         self._buffer = np.empty((max(1, _BUFFER // max(self.size, 1)), self.size))
-        self._file = _File(path, self.ports)
+        self._used = 0
+        self._open: _File | None = None
 
     @property
     def capacity(self) -> int:
@@ -36,16 +38,25 @@ class FileRecording(Recording):
 
     def room(self, rows: int) -> Floats:
         """The next rows, to be filled."""
-        return self._buffer[:rows]
+        if self._used + rows > len(self._buffer):
+            self._flush()
+        return self._buffer[self._used : self._used + rows]
 
     def commit(self, rows: int) -> None:
-        """Write what was filled."""
-        self._file.append(self._buffer[:rows])
+        """Keep what was filled, to be written when there is more."""
+        self._used += rows
         self.filled += rows
 
     def close(self, times: Floats, manifest: Mapping[str, Any]) -> None:
         """Write the times and what is known about the run, and close the file."""
-        self._file.close(times, manifest)
+        self._flush().close(times, manifest)
+
+    def _flush(self) -> _File:
+        """Write what is kept; the file is made by the first rows, so that a refused run leaves an older one alone."""
+        self._open = self._open or _File(self.path, self.ports)
+        self._open.append(self._buffer[: self._used])
+        self._used = 0
+        return self._open
 
 
 class FileResult(Result):
@@ -84,11 +95,24 @@ class FileResult(Result):
 
 def write(result: Result, path: str | Path) -> None:
     """Write a result: `/time`, `/COMPONENT/VARIABLE` (rows, *shape) with attributes `unit` and `description`."""
-    file = _File(written(path), result.ports)
+    _check(Path(path), result.ports)
+    file = _File(Path(path), result.ports)
     rows = max(1, _BUFFER // max(1, sum(port.size for port in result.ports.values())))
     for first in range(0, len(result.time), rows):
         file.append(result.block(first, min(first + rows, len(result.time))))
     file.close(result.time, result.manifest)
+
+
+def _check(path: Path, ports: Mapping[str, Port]) -> None:
+    """Refuse a place where no file can be, and names that cannot stand side by side in it."""
+    if path.is_dir():
+        raise AdcsError(f"cannot write {path}: it is a folder")
+    places = [_place(name) for name in ports]
+    for place in places:
+        if place.partition("/")[0] in ("time", "manifest") or any(other.startswith(f"{place}/") for other in places):
+            raise AdcsError(
+                f"{place} cannot have a place in an HDF5 file beside the others: give the component another name"
+            )
 
 
 class _File:

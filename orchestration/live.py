@@ -70,6 +70,10 @@ class Inputs:
                 raise AdcsError(f"inputs: {name} has values that are not finite")
             parts.append(part)
             self._continuous += [end.port.type.startswith("Float")] * part.shape[1]
+            if not end.port.type.startswith("Float"):
+                held = np.isin(part, (0, 1)) if end.port.type == "Boolean" else part == np.round(part)
+                if not held.all():
+                    raise AdcsError(f"inputs: {name} has values that are no {end.port.type}")
         self._values = np.hstack(parts) if parts else np.empty((len(times), 0))
 
     @classmethod
@@ -126,11 +130,13 @@ def _name(text: str) -> tuple[str, str | None]:
 
 def _known(system: System, text: str) -> tuple[str, str | None]:
     """Tell `plant.u[2]`, an element, from `plant.u[N.m]`, a unit."""
-    name, unit = _name(text)
-    if unit is not None and re.fullmatch(r"\d+(\s*,\s*\d+)*", unit):
-        name, unit = text.strip(), None
-    system.end(name)
-    return name, unit
+    try:
+        system.end(text.strip())
+        return text.strip(), None
+    except AdcsError:
+        name, unit = _name(text)
+        system.end(name)
+        return name, unit
 
 
 _COMPARISONS = {"<=": operator.le, ">=": operator.ge, "<": operator.lt, ">": operator.gt}

@@ -75,7 +75,6 @@ class _Solver:
         self, loop: Loop, signals: Floats, instances: Mapping[str, Instance], solver: LoopSolver, initial: bool
     ) -> None:
         self._loop, self._signals, self._instances, self._settings = loop, signals, instances, solver
-        self._started = False
         bounds = np.cumsum([0, *(len(call.where) for call in loop.sets)])
         self._parts = [slice(i, j) for i, j in itertools.pairwise(bounds)]
         fed = [f"{call.component}.{element}" for call in loop.sets for element in call.elements]
@@ -89,8 +88,7 @@ class _Solver:
         self.report = LoopReport(", ".join(fed), "newton" if self._newton else "fixed-point")
 
     def solve(self) -> None:
-        u = self._gathered() if self._started else self._present()
-        self._started = True
+        u = self._present()
         residual = self._residual(u)
         for iteration in range(self._settings.max_iterations + 1):
             size = self._size(residual, u)
@@ -112,7 +110,7 @@ class _Solver:
         self.report.residual = max(self.report.residual, size)
 
     def _present(self) -> Floats:
-        """The inputs as the FMUs have them, which is where the first solution starts."""
+        """The inputs as the FMUs have them: the last solution, also after the state of all of them was restored."""
         values = [
             self._instances[c.component].get(c.references, len(c.where), f"reading {c.elements[0]}", c.type)
             for c in self._loop.sets

@@ -27,7 +27,7 @@ class Call:
 
     `where` says which signals it writes (get) or reads (set), in the order of its values; a get call has a contiguous
     place. A set call hands on `factor * signal + offset`, or what the element's mapping says. `loop` is the number of
-    the loop.
+    the loop. It is made at every `every`-th exchange step.
     """
 
     kind: str
@@ -40,6 +40,7 @@ class Call:
     offset: Floats | None = None
     mappings: tuple[tuple[tuple[float, float], ...], ...] = ()
     loop: int = -1
+    every: int = 1
 
     @property
     def plain(self) -> bool:
@@ -129,6 +130,7 @@ class _Builder:
     def plan(self, record: Collection[Name], every: Mapping[str, int], solve_loops: bool) -> Plan:
         recorded = [(component, node) for component, v in record for node in self._nodes(component, v)]
         wanted = [node for connection, _ in self._later for node in self._source_nodes(connection)]
+        self._every = {name: every.get(name, 1) for name in self._fmus}
         operations = schedule(self._sources, self._depends, recorded, wanted, solve_loops)
         for operation in operations:
             for get in operation.inside or (operation,):
@@ -141,7 +143,7 @@ class _Builder:
         for operation in operations:
             if operation.kind == "solve":
                 inside = [call for each in operation.inside for call in self._calls(each)]
-                calls.append(Call("solve", "", loop=len(loops)))
+                calls.append(Call("solve", "", loop=len(loops), every=self._common(operation)))
                 loops.append(
                     Loop(
                         tuple(c for c in inside if c.kind == "set"),
@@ -159,7 +161,7 @@ class _Builder:
             loops=tuple(loops),
             delays=delays,
             n_external=self.n_external,
-            every={name: every.get(name, 1) for name in self._fmus},
+            every=self._every,
         )
         for where, values in self._values:
             plan.signals[where] = values
@@ -245,12 +247,12 @@ class _Builder:
         references = tuple(port.references[indices[0] if len(port.references) > 1 else 0] for port, indices in found)
         if operation.kind == "get":
             where = np.concatenate([self._place[component, name] for name in names])
-            return Call("get", component, elements, references, where, type_)
+            return Call("get", component, elements, references, where, type_, every=self._every[component])
         origins = [self._origin_of(component, port, i) for port, indices in found for i in indices]
         where = np.array([signal for signal, _ in origins], np.intp)
         links = [connection or _DIRECT for _, connection in origins]
         if all(link.plain for link in links):
-            return Call("set", component, elements, references, where, type_)
+            return Call("set", component, elements, references, where, type_, every=self._every[component])
         return Call(
             "set",
             component,
@@ -261,7 +263,20 @@ class _Builder:
             np.array([link.factor for link in links]),
             np.array([link.offset for link in links]),
             tuple(link.mapping for link in links) if any(link.mapping for link in links) else (),
+            every=self._every[component],
         )
+
+    def _common(self, loop: Operation) -> int:
+        """How often the components of a loop communicate, which must be the same."""
+        rates = {each.component: self._every[each.component] for each in loop.inside}
+        (name, first), *others = rates.items()
+        for other, every in others:
+            if every != first:
+                raise AdcsError(
+                    f"{name} and {other} are in one algebraic loop, but communicate at every {first} and every {every} "
+                    "steps: give them the same rate, or put a delay between them"
+                )
+        return first
 
     def _origin_of(self, component: str, port: Port, element: int) -> tuple[int, Connection | None]:
         """The signal that feeds an element; its start value, where only other elements of an array are connected."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from orchestration.instance import CallFailed, Instance
-from orchestration.plan import Call, Delay, Floats, Plan
+from orchestration.plan import Call, Delay, Floats
 
 _EXACT = 2.0**53  # above, a double does not hold every integer
 _FLOATS = ("Float64", "Float32")
@@ -64,11 +64,6 @@ def gather(call: Call, signals: Floats) -> Floats:
         if pairs:
             scaled[i] = next((there for here, there in pairs if here == values[i]), np.nan)
     return scaled
-
-
-def due(plan: Plan, call: Call, k: int) -> bool:
-    """Whether a call is made at point k."""
-    return call.kind == "solve" or k % plan.every.get(call.component, 1) == 0
 
 
 def action_of(call: Call) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 from orchestration.instance import CallFailed, Instance, failing_at
 from orchestration.plan import Floats, Plan
-from orchestration.propagation import Ring, action_of, due, execute
+from orchestration.propagation import Ring, action_of, execute
 
 
 class PythonLoop:
@@ -23,12 +23,12 @@ class PythonLoop:
     ) -> None:
         self._plan, self._instances, self._rings = plan, instances, rings
         self._record_every, self._solve = record_every, solve
-        self._stopped = False
+        self._stopped = 0
         self.doing = (0, "", "")
 
-    def stop(self) -> None:
-        """Let `steps` return before its next point; to be called from another thread."""
-        self._stopped = True
+    def stop(self, at_once: bool = False) -> None:
+        """Let `steps` return before its next point, or before its next call; to be called from another thread."""
+        self._stopped = 2 if at_once else 1
 
     def propagate(self, k: int = 0, time: float = 0.0) -> None:
         """Execute the get and set calls of point k once."""
@@ -36,8 +36,9 @@ class PythonLoop:
             ring.arrive(k, self._plan.signals)
         with failing_at(time):
             for call in self._plan.calls:
-                if not due(self._plan, call, k):
+                if k % call.every:
                     continue
+                self._go_on(call.component)
                 if call.kind == "solve":
                     self.doing = k, "", "solving an algebraic loop"
                     assert self._solve is not None
@@ -54,8 +55,13 @@ class PythonLoop:
             for name, instance in self._instances.items():
                 every = self._plan.every.get(name, 1)
                 if k % every == 0 and k + every <= last:
+                    self._go_on(name)
                     self.doing = k, name, "doStep"
                     instance.do_step(time, every * step)
+
+    def _go_on(self, component: str) -> None:
+        if self._stopped > 1:
+            raise CallFailed(component, "it was given up")
 
     def steps(
         self, start: float, step: float, first: int, count: int, last: int, external: Floats | None, rows: Floats

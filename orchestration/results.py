@@ -49,7 +49,7 @@ class Recording:
     @property
     def capacity(self) -> int:
         """The most rows for which there is room at once."""
-        return len(self.data)
+        return max(1, len(self.data))
 
     def room(self, rows: int) -> Floats:
         """The next rows, to be filled."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 from datetime import UTC, datetime
 from importlib import metadata
@@ -50,7 +50,7 @@ def run(
     inputs: str | Path | None = None,
     until: str | None = None,
     real_time: float | None = None,
-    solve_loops: LoopSolver | None = None,
+    solve_loops: LoopSolver | Mapping[str, Any] | None = None,
     timeout: float = inf,
     hdf5: str | Path | None = None,
     adaptive: float | None = None,
@@ -93,10 +93,17 @@ def run(
         raise AdcsError(f"record_every = {record_every!r}: expected a whole number of steps from 1")
     grid = Grid.make(start_time, stop_time, step)
     report = progress or (lambda fraction: None)
+    if isinstance(solve_loops, Mapping):
+        solve_loops = LoopSolver(**solve_loops)
+    if checkpoint_every is not None and checkpoint is None:
+        raise AdcsError("checkpoint_every: there is no checkpoint to be written, name its file")
     saved = None if resume is None else Checkpoint.read(Path(resume))
     first = 0 if saved is None else saved.k
     if first > grid.steps:
         raise AdcsError(f"{resume} is at t = {grid.time(first):g} s, after stop_time = {stop_time:g} s")
+    for time_, name, _ in changes:
+        if grid.index(time_, f"the change of {name}") < first:
+            raise AdcsError(f"the change of {name} at {time_:g} s lies before the checkpoint, {grid.time(first):g} s")
     times = grid.times[first:][-first % record_every :: record_every]
     rows = len(times)
     recording = Recording(system, record, rows) if hdf5 is None else FileRecording(system, record, Path(hdf5))

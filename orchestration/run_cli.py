@@ -241,6 +241,11 @@ def run(
     formats = _formats(format_)
     folder = out or Path("results") / entry.name
     folder.mkdir(parents=True, exist_ok=True)  # refused now, rather than after the run
+    no_report = no_report or (record is not None and formats == ["hdf5"])  # whose file holds what is recorded
+    if estimate and method != "co-simulation":
+        raise AdcsError("--estimate-error is a matter of co-simulation: model-exchange has no exchange step")
+    if checkpoint is not None:
+        checkpoint.absolute().parent.mkdir(parents=True, exist_ok=True)  # refused now, rather than after the run
     wanted = record if no_report else _with_outputs(built, record)  # the report needs more than what is written
     settings: dict[str, Any] = {
         "start_time": entry.start_time,
@@ -275,7 +280,8 @@ def run(
         if mavlink and real_time is None:
             settings["real_time"] = 1.0
         options = Options(to or (), allow, frame, maps=map_ or (), tlog=tlog, network=mavlink)
-        attached = watcher = ground.attached(built, options, step=settings["step"], speed=settings["real_time"] or 1.0)
+        pace = {"step": settings["step"], "start": entry.start_time, "speed": settings["real_time"] or 1.0}
+        attached = watcher = ground.attached(built, options, **pace)
         settings["watchers"] = [watcher]
         wanted = _with_outputs(built, wanted)
     elif to or allow or map_:
@@ -293,12 +299,14 @@ def run(
             result = run_system(built, **settings, record=wanted, progress=update)
         except (RunFailed, RunInterrupted) as error:
             stopped, result = error, error.result
+        progress.update(task, completed=1.0, description="writing the results")
+        written = result if record is None else result.select(record)
+        files = _write(written, folder, formats)
         if estimate and stopped is None:
             progress.update(task, completed=0.0, description="estimating the error")
             errors = estimate_error(result, run_system, update)
             result.manifest["error_estimate"] = errors.as_dict()
-        progress.update(task, completed=1.0, description="writing the results")
-        files = _write(result if record is None else result.select(record), folder, formats)
+            written.write_manifest(folder / "manifest.json")
         large = len(result.time) * sum(port.size for port in result.ports.values()) > _LARGE
         whole = (record is None or not no_report) and not large  # key numbers need all outputs
         numbers = list(entry.key_numbers(result)) if whole and not stopped else []
@@ -323,7 +331,8 @@ def _formats(wanted: Sequence[str] | None) -> list[Format]:
 
 def _progress() -> Progress:
     columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    return Progress(*columns, console=Console(stderr=True), transient=True)
+    console = Console(stderr=True)
+    return Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
 
 
 def _assigned(system: System, assignment: str, option: str) -> tuple[str, Any]:
@@ -347,7 +356,8 @@ def at_in_one(arguments: Sequence[str]) -> list[str]:
     if arguments[:1] != ["run"]:
         return list(arguments)
     for word in arguments:
-        if joined[-2:-1] == ["--at"] and " " not in joined[-1] and not word.startswith("-"):
+        time_alone = joined[-2:-1] == ["--at"] or any(last.startswith("--at=") for last in joined[-1:])
+        if time_alone and " " not in joined[-1] and not word.startswith("-"):
             joined[-1] += f" {word}"
         else:
             joined.append(word)

@@ -68,6 +68,8 @@ class CoSimulation:
 
         The FMUs are told the stop time, unless it `may_go_on` after it.
         """
+        if not (isfinite(step) and step > 0 and isfinite(start_time)):
+            raise AdcsError(f"step = {step} s, start_time = {start_time} s: expected finite times, the step positive")
         self.system, self.start, self.step, self.last = system, start_time, step, steps
         self.recording = Recording(system, record)
         stop_time = inf if may_go_on or steps == ENDLESS else start_time + steps * step
@@ -124,6 +126,8 @@ class CoSimulation:
     def values(self) -> dict[str, Floats]:
         """The recorded variables as they were last propagated, by name."""
         ports = self.recording.ports
+        if not ports:
+            return {}
         parts = np.split(self.row, np.cumsum([port.size for port in ports.values()])[:-1])
         return {name: part.reshape(port.shape) for (name, port), part in zip(ports.items(), parts, strict=True)}
 
@@ -172,7 +176,12 @@ class CoSimulation:
     def check_change(self, name: str, value: Value) -> tuple[str, Port, tuple[Any, ...]]:
         """Return component, port and flat value of a variable that may be set during a run; refuse any other."""
         component, port = self.system.port(name)
+        if name.partition(".")[2] != port.name:
+            raise AdcsError(f"{name} is one element: give all values of {component}.{port.name}")
         if port.causality == "input":
+            outside = next((n for n in self.external if self.system.port(n) == (component, port)), None)
+            if outside is not None:
+                raise AdcsError(f"{name} gets its values from a table: it cannot be set during a run")
             fed = next((c for c in self.system.connections if self.system.port(c.target) == (component, port)), None)
             if fed is not None:
                 raise AdcsError(f"{name} is connected to {fed.source}: it cannot be set during a run")

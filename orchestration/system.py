@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -188,7 +188,7 @@ class System:
         if output.shape != input_.shape:
             raise AdcsError(f"{link}sizes differ, {_size(output.shape)} and {_size(input_.shape)}")
         given = factor is not None or offset is not None
-        pairs = tuple((float(a), float(b)) for a, b in mapping or ())
+        pairs = _pairs(link, input_.port, mapping or ())
         if pairs and given:
             raise AdcsError(f"{link}it has a mapping as well as a factor or offset: give one of them")
         scale = self._scale(link, output, input_) if not (given or pairs) else Scale(factor or 1.0, offset or 0.0)
@@ -212,8 +212,7 @@ class System:
         has_start = input_.port.name in self.components[input_.component].start
         if has_start and not connection.delayed and len(input_.elements) == input_.port.size:
             raise AdcsError(f"{link}{target} has a start value that the connection would override: drop one of them")
-        self._connections.append(connection)
-        self._incoming.setdefault((input_.component, input_.port.name), []).append(connection)
+        self._append(connection)
 
     def disconnect(self, target: str) -> Connection:
         """Remove the connection into an input and return it."""
@@ -229,7 +228,21 @@ class System:
         """Delay the connection into an input."""
         old = self.disconnect(target)
         scale = {"factor": old.factor, "offset": old.offset} if old.given and not old.mapping else {}
-        self.connect(old.source, target, **scale, mapping=old.mapping or None, delay_steps=steps, delay=seconds)
+        try:
+            self.connect(old.source, target, **scale, mapping=old.mapping or None, delay_steps=steps, delay=seconds)
+        except AdcsError:
+            self._append(old)
+            raise
+
+    def refined(self) -> System:
+        """Return the system for half the exchange step: what counts steps counts twice as many."""
+        finer = System(self.name, self.description)
+        for component in self.components.values():
+            every = 2 * component.every if component.every > 1 else 1
+            finer.components[component.name] = replace(component, every=every)
+        for connection in self._connections:
+            finer._append(replace(connection, delay_steps=2 * connection.delay_steps))
+        return finer
 
     def port(self, name: str) -> tuple[str, Port]:
         """Return the component's name and the variable that `component.variable` (or an element of it) names."""
@@ -282,6 +295,11 @@ class System:
                         f"input {component.name}.{missing[0]} is not connected: connect it or give {name} a start value"
                     )
 
+    def _append(self, connection: Connection) -> None:
+        end = self.end(connection.target)
+        self._connections.append(connection)
+        self._incoming.setdefault((end.component, end.port.name), []).append(connection)
+
     def _into(self, component: str, port: Port) -> list[Connection]:
         return self._incoming.get((component, port.name), [])
 
@@ -305,6 +323,20 @@ def _any_version(fmu: str | Path) -> Path:
 
 def _structural(port: Port) -> bool:
     return port.causality == "structuralParameter"
+
+
+def _pairs(link: str, target: Port, mapping: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """Check that every pair leads to a value that the input's type has."""
+    try:
+        pairs = tuple((float(here), float(there)) for here, there in mapping)
+    except (TypeError, ValueError):
+        raise AdcsError(f"{link}mapping = {mapping!r}: expected pairs of numbers, (from, to)") from None
+    for here, there in pairs:
+        whole = there == round(there) if isfinite(there) else False
+        held = whole if "Int" in target.type else there in (0, 1) if target.type == "Boolean" else isfinite(there)
+        if not (held and isfinite(here)):
+            raise AdcsError(f"{link}the mapping leads from {here:g} to {there:g}, which is no {target.type}")
+    return pairs
 
 
 def _loses(source: str, target: str, scale: Scale) -> bool:

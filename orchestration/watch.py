@@ -39,18 +39,22 @@ class Watched:
         self._thread = Thread(target=self._serve, daemon=True, name="co-simulation")  # one that hangs must not hold us
         self._thread.start()
 
-    def __call__(self, work: Callable[[], Answer]) -> Answer:
-        """Do a piece of work and return its answer; after an interrupt `interrupted` is True."""
+    def __call__(self, work: Callable[[], Answer], doing: Callable[[], Any] | None = None) -> Answer:
+        """Do a piece of work and return its answer; after an interrupt `interrupted` is True.
+
+        `doing` says what is going on, where it is not what is watched usually.
+        """
+        doing = doing or self._doing
         self._work, self._error = work, None
         self._done.clear()
         self._wanted.set()
-        seen, since = self._doing(), monotonic()
+        seen, since = doing(), monotonic()
         patience = self._timeout
         while True:
             with suppress(KeyboardInterrupt):
                 if self._done.wait(_LOOK):
                     break
-                if (now := self._doing()) != seen:
+                if (now := doing()) != seen:
                     seen, since = now, monotonic()
                 elif monotonic() - since > patience:
                     raise Hung(seen)

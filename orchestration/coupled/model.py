@@ -239,6 +239,11 @@ def _refuse(system: System, version: FmiVersion) -> None:
                 "support: use the method 'co-simulation', or remove the delay"
             )
     for component in system.components.values():
+        if component.every > 1:
+            raise AdcsError(
+                f"{component.name} communicates at some exchange steps only (every = {component.every}), and coupled "
+                "Model Exchange has none: use the method 'co-simulation'"
+            )
         fmu = component.open(version)
         if fmu.clocks:
             raise AdcsError(

@@ -24,7 +24,7 @@ _SOURCE = Path(__file__).with_name("engine.c")
 _FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-Wall", "-Wextra", "-shared")
 
 _GET, _SET, _SOLVE, _DO_STEP, _SET_TIME, _SET_STATES, _GET_DERIVATIVES = range(7)
-_STATUS, _NOT_FINITE, _TERMINATED, _EARLY_RETURN, _DOES_NOT_FIT, _NOT_MAPPED, _RAISED = range(1, 8)
+_STATUS, _NOT_FINITE, _TERMINATED, _EARLY_RETURN, _DOES_NOT_FIT, _NOT_MAPPED, _RAISED, _GIVEN_UP = range(1, 9)
 _ACTIONS = {
     _GET: "get",
     _SET: "set",
@@ -84,6 +84,7 @@ class _Call(ctypes.Structure):
         ("kind", ctypes.c_int32),
         ("type", ctypes.c_int32),
         ("component", ctypes.c_uint32),
+        ("every", ctypes.c_int64),
         ("plain", ctypes.c_bool),
     )
 
@@ -184,9 +185,9 @@ class Engine:
             return self._raw.k, "", _ACTIONS[_SOLVE]
         return self._raw.k, self._instances[self._raw.component].name, _ACTIONS[self._raw.doing]
 
-    def stop(self) -> None:
-        """Let `steps` return before its next point; to be called from another thread."""
-        self._raw.stop = 1
+    def stop(self, at_once: bool = False) -> None:
+        """Let `steps` return before its next point, or before its next call; to be called from another thread."""
+        self._raw.stop = 2 if at_once else 1
 
     def propagate(self, k: int = 0, time: float = 0.0) -> None:
         """Execute the get and set calls of point k once."""
@@ -243,7 +244,7 @@ class Engine:
 
     def _call(self, call: Call) -> _Call:
         if call.kind == "solve":
-            return _Call(kind=_SOLVE, component=call.loop)
+            return _Call(kind=_SOLVE, component=call.loop, every=call.every)
         instance = self._instances[self._number[call.component]]
         n = len(call.where)
         references = (ctypes.c_uint32 * len(call.references))(*call.references)
@@ -259,6 +260,7 @@ class Engine:
             access=_access(instance, call),
             type=_BOOL32 if instance.major == 2 and call.type == "Boolean" else _TYPES.index(call.type),
             component=self._number[call.component],
+            every=call.every,
             plain=call.plain,
         )
         if call.kind == "get":
@@ -280,6 +282,8 @@ class Engine:
                 return error
             raise error or RuntimeError("a callback failed without a reason")
         instance: Instance = self._instances[failure.component]
+        if failure.reason == _GIVEN_UP:
+            return CallFailed(instance.name, "it was given up")
         if failure.kind in (_GET, _SET):
             call = self._plan.calls[failure.call]
             action, elements = action_of(call), call.elements

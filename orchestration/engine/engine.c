@@ -66,6 +66,7 @@ typedef struct {
     int32_t kind; /* GET, SET or SOLVE */
     int32_t type;
     uint32_t component; /* SOLVE: number of the loop */
+    int64_t every;      /* made at k = 0, every, 2*every ... */
     bool plain;         /* set: signals go as they are, and are finite therefore */
 } Call;
 
@@ -75,7 +76,7 @@ typedef struct {
     double* history; /* (steps, n): what left at k is at k modulo steps */
 } Delay;
 
-enum { STATUS = 1, NOT_FINITE, TERMINATED, EARLY_RETURN, DOES_NOT_FIT, NOT_MAPPED, RAISED };
+enum { STATUS = 1, NOT_FINITE, TERMINATED, EARLY_RETURN, DOES_NOT_FIT, NOT_MAPPED, RAISED, GIVEN_UP };
 
 typedef struct {
     int32_t reason;
@@ -105,7 +106,7 @@ typedef struct {
     /* read and written by other threads */
     volatile int64_t k;
     volatile int32_t doing, component; /* the call that is going on */
-    volatile int32_t stop;             /* return before the next step */
+    volatile int32_t stop;             /* 1: return before the next point; 2: make no further call */
 } Plan;
 
 EXPORT size_t adcs_plan_size(void) { return sizeof(Plan); }
@@ -150,11 +151,12 @@ static double* gather(const double* signals, const Piece* pieces, size_t n_piece
 /* Above 2^53 a double does not hold every integer: such values are refused rather than rounded. */
 #define EXACT 9007199254740992.0
 
-#define PACK(TYPE, LOW, HIGH)                                       \
-    for (; i < n; ++i) {                                            \
-        if (!(values[i] >= (LOW) && values[i] <= (HIGH))) return i; \
-        ((TYPE*)raw)[i] = (TYPE)values[i];                          \
-    }                                                               \
+#define PACK(TYPE, LOW, HIGH)                                              \
+    for (; i < n; ++i) {                                                   \
+        if (!(values[i] >= (LOW) && values[i] <= (HIGH))) return i;        \
+        ((TYPE*)raw)[i] = (TYPE)values[i];                                 \
+        if ((double)((TYPE*)raw)[i] != values[i]) return i; /* fraction */ \
+    }                                                                      \
     return n
 #define UNPACK(TYPE)                               \
     for (; i < n; ++i) {                           \
@@ -263,12 +265,13 @@ static bool execute(Plan* plan, size_t index, double time) {
 }
 
 /* A division costs as much as a small call; nearly always there is none to be made. */
-static bool due(const Component* c, int64_t k) { return c->every == 1 || k % c->every == 0; }
+static bool due(int64_t every, int64_t k) { return every == 1 || k % every == 0; }
 
 static bool propagate(Plan* plan, int64_t k, double time) {
     for (size_t i = 0; i < plan->n_calls; ++i) {
         const Call* call = &plan->calls[i];
-        if (call->kind != SOLVE && !due(&plan->components[call->component], k)) continue;
+        if (!due(call->every, k)) continue;
+        if (plan->stop > 1) return fail(plan, GIVEN_UP, call->kind, 0, i, 0, 0);
         if (!execute(plan, i, time)) return false;
     }
     return true;
@@ -317,7 +320,8 @@ static bool move_on(Plan* plan, int64_t k, int64_t last, double time, double ste
     leave(plan, k);
     for (size_t i = 0; i < plan->n_components; ++i) {
         const int64_t every = plan->components[i].every;
-        if (!due(&plan->components[i], k) || k + every > last) continue;
+        if (!due(every, k) || k + every > last) continue;
+        if (plan->stop > 1) return fail(plan, GIVEN_UP, DO_STEP, i, 0, 0, 0);
         if (!do_step(plan, i, time, (double)every * step)) return false;
     }
     return true;

@@ -109,6 +109,13 @@ def test_refused(tmp_path, chain):
     refused(SYSTEMS["full-state-pd"].build(), "FMUs is not the same", resume=state)
     refused(t5(), f"{state} is at t = 1 s, after stop_time = 0.5 s", stop_time=0.5, resume=state)
     refused(t5(), "cannot open", resume=tmp_path / "nothing")
+    other = t5()
+    other.set("controller.k_p", 9.0)
+    refused(other, "start values is not the same", resume=state)
+    refused(t5(), "the change of controller.k_p at 0.5 s lies before the checkpoint, 1 s", resume=state,
+            changes=[(0.5, "controller.k_p", 2.0)])  # fmt: skip
+    refused(t5(), "checkpoint_every: there is no checkpoint to be written", checkpoint_every=1.0)
+    refused(t5(), "checkpoint_every = 0 s: expected a positive time", checkpoint=state, checkpoint_every=0.0)
     (tmp_path / "text").write_text("no checkpoint")
     refused(t5(), "is not a checkpoint of this program", resume=tmp_path / "text")
     state.write_bytes(state.read_bytes()[:1000])
@@ -116,7 +123,7 @@ def test_refused(tmp_path, chain):
     refused(chain(), "cannot save its state to a file", checkpoint=state)
     slow = t5()
     slow.components["tracker"].every = 3
-    message = "no checkpoint at t = 2 s: tracker communicates at every 3th step, and not then"
+    message = "no checkpoint at t = 2 s: tracker communicates at every 3 steps, and not then"
     refused(slow, message, checkpoint=state)
     refused(slow, "checkpoint: not together with until", checkpoint=state, until="plant.kinetic_energy > 0.1")
     refused(t5(), "stop_time = 0.015 s is not a whole number", checkpoint=state, checkpoint_every=0.015)

@@ -1,5 +1,7 @@
 """During a run: changes at given times, inputs from a table, conditions that end it, pace, a component that hangs."""
 
+import subprocess
+import sys
 import time
 
 import numpy as np
@@ -7,6 +9,7 @@ import pytest
 
 from fmus.errors import AdcsError
 from orchestration import RunFailed, System, run
+from orchestration.instance import Instance
 from orchestration.session import CoSimulation
 from studies.registry import SYSTEMS
 
@@ -198,3 +201,58 @@ def test_a_simulation_goes_back_to_a_snapshot(chain):
         assert np.array_equal(next(again)[1]["plant.q_BN"], first[-1])
         assert np.array_equal([next(again)[1]["plant.q_BN"].copy() for _ in range(4)], there)
         simulation.free(before)
+
+
+@pytest.mark.parametrize("stepping", STEPPINGS)
+def test_a_process_ends_well_after_it_gave_up_a_call(mock, stepping):
+    """In a process of its own: what is tested for is a crash at its end."""
+    faulty, source = mock("faulty"), mock("source")
+    script = f"""
+import time
+from orchestration import RunFailed, System, run
+system = System("late")
+system.add("wheel", {str(faulty)!r}, {{"mode": 9, "from": 0.5}})
+system.add("source", {str(source)!r})
+try:
+    run(system, stop_time=1, step=0.25, stepping={stepping!r}, timeout=0.3)
+except RunFailed as failure:
+    print(failure)
+time.sleep(0.2)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "wheel failed at t = 0.5 s: doStep did not return within 0.3 s; 3 rows are kept" in done.stdout
+
+
+def test_a_hang_while_a_change_is_made_is_named(monkeypatch):
+    set_start = Instance.set_start
+
+    def slow(self, port, values):
+        if port.name == "k_p" and values == (3.0,):
+            time.sleep(1.0)
+        set_start(self, port, values)
+
+    monkeypatch.setattr(Instance, "set_start", slow)
+    with pytest.raises(RunFailed, match=r"^controller failed at t = 0\.5 s: setting controller\.k_p did not return"):
+        run(T5.build(), stop_time=1, step=0.1, changes=[(0.5, "controller.k_p", 3.0)], timeout=0.3)
+    time.sleep(1.0)  # the call comes back, to instances that are still there
+
+
+def test_an_input_from_a_table_cannot_be_changed_as_well(fed, tmp_path):
+    table = tmp_path / "table.csv"
+    table.write_text("time,gain.u[1],gain.u[2],gain.u[3]\n0,1,2,3\n")
+    with pytest.raises(AdcsError, match=r"^gain\.u gets its values from a table: it cannot be set during a run$"):
+        run(fed(), stop_time=1, step=0.5, inputs=table, changes=[(0.5, "gain.u", [1.0, 2.0, 3.0])])
+
+
+def test_the_header_of_a_result_file_of_pure_numbers_is_understood(tmp_path):
+    table = tmp_path / "table.csv"
+    system = System("one")
+    system.add("controller", "PdTracking")
+    names = [f"controller.q_BN[{i}][1]" for i in (1, 2, 3, 4)]
+    table.write_text(f"time[s],{','.join(names)}\n0,1,0,0,0\n")
+    rest = {"omega_BN_B": [0.0] * 3, "q_RN": [1.0, 0, 0, 0], "omega_RN_R": [0.0] * 3, "omegaDot_RN_R": [0.0] * 3}
+    for name, value in rest.items():
+        system.set(f"controller.{name}", value)
+    result = run(system, stop_time=1, step=0.5, inputs=table, record=["controller.q_BN"])
+    assert result["controller.q_BN"].tolist() == [[1.0, 0.0, 0.0, 0.0]] * 3

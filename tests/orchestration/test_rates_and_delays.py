@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fmus.errors import AdcsError
-from orchestration import System, run
+from orchestration import LoopSolver, System, run
 
 STEPPINGS = ["compiled", "python"]
 
@@ -179,6 +179,38 @@ def test_a_mapping_says_what_arrives_for_each_value(mock, version, stepping):
         assert result["oscillator.u"].tolist() == [arrives, arrives]
     with pytest.raises(AdcsError, match=r"u gets a value for which its connection has no mapping$"):
         run(system(3), stop_time=1, step=1, stepping=stepping, fmi_version=version)
+
+
+@pytest.mark.parametrize("stepping", STEPPINGS)
+def test_a_fraction_does_not_fit_an_integer(mock, version, stepping, tmp_path):
+    system = System("fraction")
+    system.add("types", mock("typed", version))
+    with pytest.raises(AdcsError, match="the mapping leads from 8 to nan, which is no Float64"):
+        system.add("oscillator", mock("oscillator", version))
+        system.connect("types.whole", "oscillator.u", mapping=[(8, float("nan"))])
+
+
+def test_a_loop_of_components_with_different_rates_is_refused(mock):
+    system = System("rates")
+    system.add("a", mock("gain"), every=4)
+    system.add("b", mock("gain"))
+    system.connect("b.y", "a.u", factor=0.25)
+    system.connect("a.y", "b.u", factor=0.25)
+    with pytest.raises(AdcsError, match="are in one algebraic loop, but communicate at every"):
+        run(system, stop_time=1, step=0.25, solve_loops=LoopSolver())
+
+
+def test_rates_are_refused_in_coupled_model_exchange(pair):
+    with pytest.raises(AdcsError, match=r"^gain communicates at some exchange steps only \(every = 3\)"):
+        run(pair(every=3), stop_time=3, step=0.25, method="model-exchange")
+
+
+def test_a_refused_delay_leaves_the_connection(pair):
+    system = pair()
+    before = system.connections
+    with pytest.raises(AdcsError):
+        system.delay("gain.u", steps=-1)
+    assert system.connections == before
 
 
 @pytest.mark.parametrize("every", [0, -1, 1.5])

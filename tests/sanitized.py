@@ -17,7 +17,6 @@ FOLDERS = ("binaries/linux64/", "binaries/x86_64-linux/")
 TESTS = (
     "tests/adaptor",
     "tests/laws/test_components.py",
-    "tests/laws/test_trigo_components.py",
     "tests/orchestration/test_checkpoint.py",
     "tests/orchestration/test_cosimulation.py",
     "tests/orchestration/test_coupled.py",

@@ -136,6 +136,8 @@ def test_interruption_keeps_what_was_recorded(tmp_path):
         stderr=subprocess.PIPE,
         text=True,
         env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])},
+        # a shell's background job ignores Ctrl-C, and what it starts inherits that
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     maps = Path(f"/proc/{process.pid}/maps")
     while process.poll() is None and "RigidBody" not in maps.read_text():

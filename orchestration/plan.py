@@ -318,14 +318,24 @@ class _Dependencies:
     """On which inputs a variable depends; one object for each FMU, however many components it makes."""
 
     def __init__(self, fmus: Mapping[str, Fmu], initial: bool) -> None:
-        known: dict[str, _Feedthrough] = {}
-        for fmu in fmus.values():
-            if fmu.sha256 not in known:
-                known[fmu.sha256] = _Feedthrough(fmu, initial)
-        self.of = {name: known[fmu.sha256] for name, fmu in fmus.items()}
+        self.of = {name: _feedthrough(fmu, initial) for name, fmu in fmus.items()}
 
     def __call__(self, name: Name) -> Iterable[str]:
         return self.of[name[0]](name[1])
+
+
+_known: dict[tuple[int, bool], tuple[Fmu, _Feedthrough]] = {}
+_MOST_KNOWN = 256
+
+
+def _feedthrough(fmu: Fmu, initial: bool) -> _Feedthrough:
+    """Work it out once for each FMU, which is the same object in every run that opens the same file."""
+    known = _known.get((id(fmu), initial))
+    if known is None or known[0] is not fmu:
+        if len(_known) >= _MOST_KNOWN:
+            _known.clear()
+        known = _known[id(fmu), initial] = fmu, _Feedthrough(fmu, initial)
+    return known[1]
 
 
 class _Feedthrough:

@@ -90,6 +90,13 @@ def read_extras(root: Any) -> Extras:
     return Extras(tuple(_clock(e) for e in variables if e.tag == "Clock"), clocked, starts)
 
 
+def directional_derivatives(root: Any) -> frozenset[str]:
+    """Return the kinds of interface that offer them; of FMI 3.0, fmpy does not read this."""
+    name = "providesDirectionalDerivative" + ("s" if root.get("fmiVersion") == "3.0" else "")
+    elements = {"model-exchange": "ModelExchange", "co-simulation": "CoSimulation"}
+    return frozenset(k for k, e in elements.items() if (x := root.find(e)) is not None and x.get(name) in ("true", "1"))
+
+
 def _clock(element: Any) -> Clock:
     interval: Fraction | float | None = None
     shift: Fraction | float = float(element.get("shiftDecimal", "0"))

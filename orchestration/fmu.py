@@ -7,21 +7,22 @@ import posixpath
 import re
 import tempfile
 import zipfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import product
 from math import prod
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal
 
 import fmpy
-from fmpy.model_description import ModelDescription, ModelVariable, Unknown, ValidationError
+from fmpy.model_description import ModelDescription, ModelVariable, ValidationError
 
 from fmus import paths
 from fmus.errors import AdcsError
-from orchestration.description import Clock, Extras, for_fmpy, read_extras, read_xml
+from orchestration.description import Clock, Extras, directional_derivatives, for_fmpy, read_extras, read_xml
+from orchestration.feedthrough import Feedthrough
 
 FmiVersion = Literal["2.0", "3.0"]
 Kind = Literal["co-simulation", "model-exchange"]
@@ -72,6 +73,11 @@ class Port:
         return element_names(self.name, self.shape)
 
     @property
+    def nodes(self) -> list[str]:
+        """The names of what has a value reference of its own: each element in FMI 2, the whole array in FMI 3."""
+        return self.elements if len(self.references) > 1 else [self.name]
+
+    @property
     def settable(self) -> bool:
         """Whether a start value may be given."""
         return self.variability != "constant" and (self.causality == "input" or self.initial in ("exact", "approx"))
@@ -81,21 +87,39 @@ class Port:
 class Fmu:
     """A checked FMU file.
 
-    `dependencies` and `initial_dependencies` map a port to the inputs on which it directly depends, while running and
-    in initialisation mode; a port that is missing there depends on every input. `states` names the elements of the
-    continuous state vector in the FMU's own order.
+    `node_of` gives the node (`Port.nodes`) of each variable of the model description. `states` names the elements of
+    the continuous state vector in the FMU's own order. `directional` holds the interfaces with directional derivatives.
     """
 
     path: Path
     sha256: str
     model: ModelDescription
     ports: Mapping[str, Port]
-    dependencies: Mapping[str, frozenset[str]]
-    initial_dependencies: Mapping[str, frozenset[str]]
+    node_of: Mapping[str, str]
     states: tuple[str, ...]
+    directional: frozenset[str] = frozenset()
     clocks: tuple[Clock, ...] = ()
     clocked: Mapping[int, frozenset[int]] = field(default_factory=dict)
     """The clocks (references) to which a clocked variable (reference) belongs: it has no value of its own between."""
+
+    @cached_property
+    def nodes(self) -> Mapping[str, tuple[Port, list[int]]]:
+        """Of each node, the port to which it belongs and the elements that it has."""
+        return {
+            node: (port, [i] if len(port.nodes) > 1 else list(range(port.size)))
+            for port in self.ports.values()
+            for i, node in enumerate(port.nodes)
+        }
+
+    @cached_property
+    def feedthrough(self) -> Feedthrough:
+        """Direct dependencies while running."""
+        return Feedthrough(self, initial=False)
+
+    @cached_property
+    def initial_feedthrough(self) -> Feedthrough:
+        """Direct dependencies in initialisation mode."""
+        return Feedthrough(self, initial=True)
 
     def configured(self, start: Mapping[str, Sequence[Any]]) -> Fmu:
         """Return the FMU with the array sizes that the structural parameters among these start values ask for."""
@@ -185,18 +209,17 @@ def _open(path: Path, modified: int, size: int) -> Fmu:
         raise AdcsError(f"cannot read modelDescription.xml of {path} ({_one_line(error)}): {_AGAIN}") from error
     extras = read_extras(xml) if model.fmiMajorVersion == 3 else Extras()
     try:
-        ports, port_of = _unite(model, extras)
+        ports, node_of = _unite(model, extras)
     except ValueError as error:
         raise AdcsError(f"{path} is not valid: {error}") from error
-    inputs = frozenset(p.name for p in ports.values() if p.causality == "input")
     return Fmu(
         path=path,
         sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
         model=model,
         ports=ports,
-        dependencies=_dependencies(model.outputs, port_of, inputs),
-        initial_dependencies=_dependencies(model.initialUnknowns, port_of, inputs),
+        node_of=node_of,
         states=_states(model, ports),
+        directional=directional_derivatives(xml),
         clocks=extras.clocks,
         clocked=extras.clocked,
     )
@@ -254,7 +277,7 @@ def _archive_names(path: Path) -> list[str]:
 
 
 def _unite(model: ModelDescription, extras: Extras) -> tuple[dict[str, Port], dict[str, str]]:
-    """Return the ports by name, and the port to which each model variable belongs."""
+    """Return the ports by name, and the node of each model variable."""
     fmi2 = model.fmiMajorVersion == 2
     taken = {v.name for v in model.modelVariables}
     groups: dict[str, list[ModelVariable]] = {}
@@ -263,14 +286,14 @@ def _unite(model: ModelDescription, extras: Extras) -> tuple[dict[str, Port], di
         base = variable.name if match is None else f"der({match['base']})" if match[1] else match["base"]
         groups.setdefault(base, []).append(variable)
     ports: dict[str, Port] = {}
-    port_of: dict[str, str] = {}
+    node_of: dict[str, str] = {}
     for base, members in groups.items():
         shape = members[0].shape if not fmi2 else _shape(members)
         scalars = shape is None or (base in taken and len(members) > 1)
         for name, variables in [(v.name, [v]) for v in members] if scalars else [(base, members)]:
             ports[name] = _port(name, () if shape is None or scalars else shape, variables, fmi2, extras)
-            port_of.update((v.name, name) for v in variables)
-    return ports, port_of
+            node_of.update(zip((v.name for v in variables), ports[name].nodes, strict=True))
+    return ports, node_of
 
 
 def _shape(members: list[ModelVariable]) -> tuple[int, ...] | None:
@@ -344,20 +367,6 @@ _CONVERT: dict[str, Any] = {
     **dict.fromkeys(("Float32", "Float64"), float),
     **{f"{sign}Int{bits}": int for sign in ("", "U") for bits in (8, 16, 32, 64)},
 }
-
-
-def _dependencies(
-    unknowns: Iterable[Unknown], port_of: Mapping[str, str], inputs: frozenset[str]
-) -> dict[str, frozenset[str]]:
-    """A port depends on every input on which one of its elements depends; `dependencies` left out means: on all."""
-    found: dict[str, frozenset[str]] = {}
-    for unknown in unknowns:
-        port = port_of[unknown.variable.name]
-        known = inputs
-        if unknown.dependencies is not None:
-            known = inputs & {port_of[v.name] for v in unknown.dependencies}
-        found[port] = found.get(port, frozenset()) | known
-    return found
 
 
 def _one_line(error: object) -> str:

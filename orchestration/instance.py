@@ -274,6 +274,11 @@ class Instance:
         """Whether a saved state can be made into bytes and back."""
         return self.can_save and bool(self._interface.canSerializeFMUstate)
 
+    @property
+    def has_directional_derivatives(self) -> bool:
+        """Whether `directional_derivative` may be called."""
+        return self.kind in self.fmu.directional
+
     def directional_derivative(
         self, unknowns: Sequence[int], knowns: Sequence[int], seed: Sequence[float], size: int
     ) -> list[float]:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Callable, Sequence
 from ctypes import POINTER, c_double
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
 
 import numpy as np
-from lxml import etree
 
-from orchestration.fmu import Fmu, Kind, Port
+from orchestration.fmu import Fmu, Port
 from orchestration.instance import Instance
 from orchestration.plan import Floats
 
@@ -36,20 +34,11 @@ def jacobian(instance: Instance, inputs: Sequence[Port], outputs: Sequence[Port]
     says that it has them, else central differences.
     """
     n, m = len(x), sum(port.size for port in inputs)
-    exact = has_directional_derivatives(instance.fmu)
+    exact = instance.has_directional_derivatives
     columns = _directional(instance, inputs, outputs) if exact else _differences(instance, inputs, outputs, x, scale)
     rows = n + sum(port.size for port in outputs)
     matrix = np.array(columns).reshape(n + m, rows).T
     return Jacobian(matrix[:n, :n], matrix[:n, n:], matrix[n:, :n], matrix[n:, n:], exact)
-
-
-def has_directional_derivatives(fmu: Fmu, kind: Kind = "model-exchange") -> bool:
-    """Whether an interface offers them; of FMI 3.0, fmpy does not read this."""
-    element = "ModelExchange" if kind == "model-exchange" else "CoSimulation"
-    with zipfile.ZipFile(fmu.path) as archive:
-        interface = etree.fromstring(archive.read("modelDescription.xml")).find(element)
-    name = "providesDirectionalDerivative" if fmu.major_version == 2 else "providesDirectionalDerivatives"
-    return interface is not None and interface.get(name) in ("true", "1")
 
 
 def _directional(instance: Instance, inputs: Sequence[Port], outputs: Sequence[Port]) -> list[list[float]]:

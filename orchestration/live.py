@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import operator
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
@@ -233,8 +232,3 @@ class Pace:
             "late_99_percent_s": float(p99),
             "late_most_s": float(late.max()),
         }
-
-
-def changes(grid: Grid, wanted: Sequence[tuple[float, str, Value]]) -> list[Change]:
-    """Make changes of (time [s], name, value)."""
-    return [Change.at(grid, *each) for each in wanted]

@@ -11,7 +11,6 @@ import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration.instance import CallFailed, Instance
-from orchestration.jacobian import has_directional_derivatives
 from orchestration.plan import Call, Floats, Loop, Plan
 from orchestration.propagation import execute, gather
 
@@ -82,9 +81,7 @@ class _Solver:
         discrete = any(call.type not in ("Float64", "Float32") for call in (*loop.sets, *loop.gets))
         self._newton = solver.method == "newton" and not discrete
         components = dict.fromkeys(call.component for call in loop.sets)
-        self._exact = not initial and all(
-            has_directional_derivatives(instances[c].fmu, instances[c].kind) for c in components
-        )
+        self._exact = not initial and all(instances[c].has_directional_derivatives for c in components)
         self.report = LoopReport(", ".join(fed), "newton" if self._newton else "fixed-point")
 
     def solve(self) -> None:

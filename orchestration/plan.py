@@ -111,7 +111,7 @@ class _Builder:
     ) -> None:
         self._fmus, self._starts = fmus, starts
         self._ends = Ends(fmus)
-        self._depends = _Dependencies(fmus, initial)
+        self._depends = {name: fmu.initial_feedthrough if initial else fmu.feedthrough for name, fmu in fmus.items()}
         self._size = 0
         self._values: list[tuple[slice, Sequence[float]]] = []  # signals that are there from the beginning
         self._place: dict[Name, Places] = {}  # of the elements of each variable that is fetched
@@ -131,7 +131,9 @@ class _Builder:
         recorded = [(component, node) for component, v in record for node in self._nodes(component, v)]
         wanted = [node for connection, _ in self._later for node in self._source_nodes(connection)]
         self._every = {name: every.get(name, 1) for name in self._fmus}
-        operations = schedule(self._sources, self._depends, recorded, wanted, solve_loops)
+        operations = schedule(
+            self._sources, lambda name: self._depends[name[0]](name[1]), recorded, wanted, solve_loops
+        )
         for operation in operations:
             for get in operation.inside or (operation,):
                 if get.kind == "get":
@@ -296,94 +298,17 @@ class _Builder:
         return list(groups.items())
 
     def _nodes(self, component: str, variable: str) -> list[str]:
-        return nodes(self._fmus[component].ports[variable])
+        return self._fmus[component].ports[variable].nodes
 
     def _node(self, component: str, port: Port, element: int) -> str:
         return port.elements[element] if len(port.references) > 1 else port.name
 
     def _node_port(self, component: str, node: str) -> tuple[Port, list[int]]:
         """The variable to which a node belongs, and the elements that it has."""
-        return self._depends.of[component].port_of[node]
+        return self._fmus[component].nodes[node]
 
 
 _DIRECT = Connection("", "")
-
-
-def nodes(port: Port) -> list[str]:
-    """What has a value reference of its own: each element in FMI 2, the whole array in FMI 3."""
-    return port.elements if len(port.references) > 1 else [port.name]
-
-
-class _Dependencies:
-    """On which inputs a variable depends; one object for each FMU, however many components it makes."""
-
-    def __init__(self, fmus: Mapping[str, Fmu], initial: bool) -> None:
-        self.of = {name: _feedthrough(fmu, initial) for name, fmu in fmus.items()}
-
-    def __call__(self, name: Name) -> Iterable[str]:
-        return self.of[name[0]](name[1])
-
-
-_known: dict[tuple[int, bool], tuple[Fmu, _Feedthrough]] = {}
-_MOST_KNOWN = 256
-
-
-def _feedthrough(fmu: Fmu, initial: bool) -> _Feedthrough:
-    """Work it out once for each FMU, which is the same object in every run that opens the same file."""
-    known = _known.get((id(fmu), initial))
-    if known is None or known[0] is not fmu:
-        if len(_known) >= _MOST_KNOWN:
-            _known.clear()
-        known = _known[id(fmu), initial] = fmu, _Feedthrough(fmu, initial)
-    return known[1]
-
-
-class _Feedthrough:
-    def __init__(self, fmu: Fmu, initial: bool) -> None:
-        self.port_of: dict[str, tuple[Port, list[int]]] = {}
-        for port in fmu.ports.values():
-            names = nodes(port)
-            for i, node in enumerate(names):
-                self.port_of[node] = port, [i] if len(names) > 1 else list(range(port.size))
-        self._inputs = [n for n, (port, _) in self.port_of.items() if port.causality == "input"]
-        self._initial = initial
-        self._running = self._listed(fmu.model.outputs)
-        self._initially = self._listed(fmu.model.initialUnknowns) if initial else {}
-
-    def __call__(self, node: str) -> Iterable[str]:
-        port, _ = self.port_of[node]
-        if port.causality == "input":
-            return [node]
-        if port.causality in ("parameter", "independent") or port.variability == "constant":
-            return []
-        running = self._running.get(node, self._inputs)
-        if not self._initial:
-            return running
-        return [] if port.initial == "exact" else self._initially.get(node, running)
-
-    def _listed(self, unknowns: Iterable[Any]) -> dict[str, list[str]]:
-        """`dependencies` left out means: on every input."""
-        inputs = set(self._inputs)
-        return {
-            self._named(u.variable.name): self._inputs
-            if u.dependencies is None
-            else [n for v in u.dependencies if (n := self._named(v.name)) in inputs]
-            for u in unknowns
-        }
-
-    def _named(self, variable: str) -> str:
-        """The node of a variable of the model description; an array of one element goes by its own name."""
-        name = _compact(variable)
-        return name if name in self.port_of else name.rpartition("[")[0]
-
-
-def _compact(name: str) -> str:
-    """`J[1, 2]` -> `J[1,2]`; `der(x[1])` -> `der(x)[1]`."""
-    if name.startswith("der(") and name.endswith("])"):
-        base, _, index = name[4:-2].rpartition("[")
-        name = f"der({base})[{index}]"
-    base, bracket, index = name.rpartition("[")
-    return f"{base}[{index.replace(' ', '')}" if bracket and index.endswith("]") else name
 
 
 def _before(connection: Connection, start: float) -> float:

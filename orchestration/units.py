@@ -1,13 +1,14 @@
-"""Units of FMUs: what a number in one unit is in another, from the unit definitions that the FMUs bring."""
+"""Units of FMUs: what a number in one unit is in another, from the unit definitions that files bring."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 
 from fmus.errors import AdcsError
 from orchestration.fmu import Fmu
 
-_EXPONENTS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+EXPONENTS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
 
 @dataclass(frozen=True)
@@ -23,30 +24,60 @@ class Scale:
         return (self.factor, self.offset) == (1.0, 0.0)
 
 
+@dataclass(frozen=True)
+class Unit:
+    """A unit by name: `base = factor * value + offset`, exponents of the SI base units; `None` where not defined."""
+
+    name: str
+    base: tuple[tuple[int, ...], float, float] | None
+
+    def same(self, other: Unit) -> bool:
+        """Whether a number in one is the same number in the other."""
+        if self.base is None or other.base is None:
+            return self.name == other.name
+        return self.base == other.base
+
+    def to(self, other: Unit, undefined: str, different: str) -> Scale:
+        """Return how a value in this unit becomes one in the other.
+
+        AdcsError, which ends with the way out that is given, if they differ and one is not defined, or if they measure
+        different things.
+        """
+        if self.same(other):
+            return Scale()
+        differ = f"units differ, {self.name!r} and {other.name!r}, and"
+        if self.base is None or other.base is None:
+            if self.name == other.name:
+                return Scale()
+            unknown = self.name if self.base is None else other.name
+            raise AdcsError(f"{differ} {unknown!r} is not defined: {undefined}")
+        (exponents, factor, offset), (exponents_there, factor_there, offset_there) = self.base, other.base
+        if not (factor and factor_there and isfinite(factor * offset / factor_there)):
+            raise AdcsError(f"units {self.name!r} and {other.name!r}: a factor is zero or not finite: correct it")
+        if exponents != exponents_there:
+            raise AdcsError(f"{differ} do not measure the same: {different}")
+        return Scale(factor / factor_there, (offset - offset_there) / factor_there)
+
+
+def of_fmu(fmu: Fmu, name: str | None) -> Unit | None:
+    """Return the unit of this name in an FMU."""
+    if not name:
+        return None
+    found = next((u for u in fmu.model.unitDefinitions if u.name == name), None)
+    if found is None or found.baseUnit is None:
+        return Unit(name, None)
+    base = found.baseUnit
+    exponents = tuple(int(getattr(base, e) or 0) for e in EXPONENTS)
+    return Unit(name, (exponents, float(base.factor), float(base.offset)))
+
+
 def conversion(source: Fmu, unit: str | None, target: Fmu, wanted: str | None) -> Scale:
     """Return how a value in `unit` of one FMU becomes one in the unit `wanted` of another.
 
     An end without a unit goes with any. AdcsError if the units measure different things, or differ and say nothing of
     what they measure.
     """
-    if not unit or not wanted:
-        return Scale()
-    here, there = _definition(source, unit), _definition(target, wanted)
-    if unit == wanted and (here is None or there is None or here == there):
-        return Scale()
+    here, there = of_fmu(source, unit), of_fmu(target, wanted)
     if here is None or there is None:
-        unknown = unit if here is None else wanted
-        raise AdcsError(f"units differ, {unit!r} and {wanted!r}, and {unknown!r} is not defined: give a factor")
-    if here[0] != there[0]:
-        raise AdcsError(f"units differ, {unit!r} and {wanted!r}, and do not measure the same: connect something else")
-    (_, factor, offset), (_, factor_there, offset_there) = here, there
-    return Scale(factor / factor_there, (offset - offset_there) / factor_there)
-
-
-def _definition(fmu: Fmu, name: str) -> tuple[tuple[int, ...], float, float] | None:
-    """Exponents of the SI base units, factor and offset: `base = factor * value + offset`."""
-    unit = next((u for u in fmu.model.unitDefinitions if u.name == name), None)
-    if unit is None or unit.baseUnit is None:
-        return None
-    base = unit.baseUnit
-    return tuple(int(getattr(base, e) or 0) for e in _EXPONENTS), float(base.factor), float(base.offset)
+        return Scale()
+    return here.to(there, undefined="give a factor", different="connect something else")

@@ -9,7 +9,7 @@ from lxml import etree
 
 from orchestration.fmu import Fmu, Port
 from orchestration.ssp.building import add
-from orchestration.ssp.units import EXPONENTS, Unit, of_fmu
+from orchestration.units import EXPONENTS, Unit, of_fmu
 
 
 class UsedUnits:

@@ -16,7 +16,8 @@ from orchestration.ssp.parts import FLOAT_TYPES, INTEGER_TYPES, Part, Place, hin
 from orchestration.ssp.schemas import Kind
 from orchestration.ssp.structure import Binding, ComponentElement, Element, SystemElement, enumerations_in
 from orchestration.ssp.transformation import Items, Transformation, transformation_in
-from orchestration.ssp.units import Unit, named, of_document
+from orchestration.ssp.units import named, of_document, scale
+from orchestration.units import Unit
 
 _SET = "application/x-ssp-parameter-set"
 _MAPPING = "application/x-ssp-parameter-mapping"
@@ -255,7 +256,7 @@ def _transformation(parameter: Parameter, unit: Unit | None, items: Items | None
     try:
         found = Transformation()
         if parameter.unit is not None and unit is not None and not parameter.suppress:
-            found = found.then(parameter.unit.to(unit))
+            found = found.then(scale(parameter.unit, unit))
         if parameter.transformation is not None:
             own = transformation_in(parameter.transformation, parameter.items or items, items)
             if own is not None:

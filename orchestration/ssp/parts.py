@@ -13,7 +13,7 @@ from fmus.errors import AdcsError
 from orchestration.fmu import Fmu, Port
 from orchestration.ssp.structure import ComponentElement, Connector
 from orchestration.ssp.transformation import Items
-from orchestration.ssp.units import Unit, of_fmu
+from orchestration.units import Unit, of_fmu
 
 INTEGER_TYPES = ("Integer", *(f"{sign}Int{bits}" for bits in (8, 16, 32, 64) for sign in ("", "U")))
 FLOAT_TYPES = ("Real", "Float64", "Float32")

@@ -11,7 +11,8 @@ from fmus.errors import AdcsError
 from orchestration.ssp.archive import STRUCTURE, Home
 from orchestration.ssp.documents import local_name, notes, tag
 from orchestration.ssp.transformation import Items
-from orchestration.ssp.units import Unit, named, of_document
+from orchestration.ssp.units import named, of_document
+from orchestration.units import Unit
 
 FMU_TYPE = "application/x-fmu-sharedlibrary"
 PACKAGE_TYPE = "application/x-ssp-package"

@@ -10,7 +10,8 @@ from fmus.errors import AdcsError
 from orchestration.ssp.parts import Part, Place, hint, items_of, sizes
 from orchestration.ssp.structure import Connector, Element, Link, LinkEnd, SystemElement
 from orchestration.ssp.transformation import Items, Transformation, transformation_in
-from orchestration.ssp.units import Unit
+from orchestration.ssp.units import scale
+from orchestration.units import Unit
 
 _GIVING = ("output", "calculatedParameter", "constant", "local")
 _LARGEST = 1_000_000  # elements of a system's connector, which no FMU backs
@@ -185,7 +186,7 @@ class Wiring:
             own = transformation_in(feed.link.xml, self._items(feed.source), self._items(next_))
             try:
                 if not feed.link.suppress and unit is not None and there is not None:
-                    transformation = transformation.then(Transformation(**vars(unit.to(there))))
+                    transformation = transformation.then(Transformation(**vars(scale(unit, there))))
                 if own is not None:
                     transformation = transformation.then(own)
             except AdcsError as error:

@@ -17,11 +17,12 @@ from orchestration.fmu import FmiVersion, Port
 from orchestration.jacobian import jacobian
 from orchestration.loops import LoopSolver
 from orchestration.plan import Floats
+from orchestration.single import single
 from orchestration.state_space import Mode, StateSpace
-from orchestration.system import NUMERIC, Connection, System
+from orchestration.system import Connection, System
 from orchestration.unit_quaternions import minimal, unit_quaternions, with_notes
 
-__all__ = ["Mode", "StateSpace", "linearize", "single"]
+__all__ = ["Mode", "StateSpace", "linearize"]
 
 Element = tuple[str, str, int]
 """An element of a variable: component, variable, flat index."""
@@ -72,26 +73,6 @@ def linearize(
     turning = [i for q in quaternions for i in range(q.where.start, q.where.stop)] if minimal_coordinates else []
     found = replace(found, notes=(*found.notes, *_no_equilibrium(found, sizes, turning)))
     return minimal(found, quaternions) if minimal_coordinates else with_notes(found, quaternions)
-
-
-def single(fmu: str | Path, start: Mapping[str, Any] | None = None) -> System:
-    """Return a system of one component: a name in `fmus/dist` or the path of an `.fmu`.
-
-    Inputs that have no start value, here or in the FMU, are zero. `start` may name variables without the component.
-    """
-    path = Path(fmu)
-    name = path.name.partition(".")[0] if path.suffix == ".fmu" else str(fmu)
-    system = System(name)
-    system.add(name, fmu)
-    component = system.components[name]
-    system.description = component.fmu.model.description or ""
-    for variable, value in (start or {}).items():
-        system.set(variable if variable.startswith(f"{name}.") else f"{name}.{variable}", value)
-    for port in component.fmu.ports.values():
-        if port.causality == "input" and port.type.startswith(NUMERIC) and port.name not in component.start:
-            zero = (False if port.type == "Boolean" else 0,) * port.size
-            system.set(f"{name}.{port.name}", np.reshape(port.start or zero, port.shape))
-    return system
 
 
 def _refuse_delays(system: System) -> None:

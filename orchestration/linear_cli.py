@@ -60,12 +60,13 @@ def linearize(
 ) -> None:
     """Linearise a component or a closed loop: matrices A, B, C, D, and eigenvalues with frequency and damping."""
     from orchestration.linear import linearize as linearize_
+    from orchestration.words import assigned
 
     if out is not None and out.suffix not in (".mat", ".json"):
         raise AdcsError(f"--out {out}: give a name that ends in .mat or .json")
     built, alone = _find(system)
     for assignment in set_ or []:
-        _set(built, assignment, alone)
+        built.set(*assigned(built, assignment, alone=alone))
     found = linearize_(
         built,
         _seconds(at),
@@ -86,8 +87,8 @@ def linearize(
 def _find(name: str) -> tuple[System, str | None]:
     """Return the system, and the name of the component where there is only one."""
     from fmus.paths import DIST
-    from orchestration.linear import single
     from orchestration.named import find_system
+    from orchestration.single import single
     from studies.registry import SYSTEMS
 
     path = Path(name)
@@ -104,27 +105,14 @@ def _find(name: str) -> tuple[System, str | None]:
         raise AdcsError(f"{error}, or a component that is built (`adcs list`)") from None
 
 
-def _set(system: System, assignment: str, alone: str | None) -> None:
-    from orchestration.values import parse_value
-
-    name, equals, text = assignment.partition("=")
-    if not equals:
-        raise AdcsError(f"--set {assignment}: expected COMPONENT.VARIABLE=VALUE")
-    full = _full(name.strip(), alone)
-    component, port = system.port(full)
-    system.set(full, parse_value(system.components[component].fmu, port, text))
-
-
 def _names(texts: Sequence[str] | None, alone: str | None) -> list[str] | None:
     """Split at commas, but not at those of `J_B[1,3]`."""
     if texts is None:
         return None
+    from orchestration.words import full_name
+
     words = [word.strip() for text in texts for word in re.split(r",(?![^\[]*\])", text)]
-    return [_full(word, alone) for word in words if word]
-
-
-def _full(name: str, alone: str | None) -> str:
-    return name if alone is None or name.startswith(f"{alone}.") else f"{alone}.{name}"
+    return [full_name(word, alone) for word in words if word]
 
 
 def _seconds(text: str) -> float:

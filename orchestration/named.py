@@ -12,7 +12,8 @@ from orchestration.fmu import element_names
 from orchestration.plots import Panel, Series
 from orchestration.report import KeyNumber
 from orchestration.results import Result
-from orchestration.system import NUMERIC, System
+from orchestration.single import single
+from orchestration.system import System
 from studies.registry import SYSTEMS, SystemEntry
 
 _STEPS = 1000  # of a run whose file gives no exchange step
@@ -43,15 +44,10 @@ def _from_ssp(path: Path) -> SystemEntry:
 
 
 def _from_fmu(path: Path) -> SystemEntry:
-    system = System(path.stem)
-    name = path.name.partition(".")[0] or "fmu"
-    system.add(name, path)
-    fmu = system.components[name].fmu
-    system.description = fmu.model.description or ""
-    for port in fmu.ports.values():  # nothing feeds them
-        if port.causality == "input" and port.type.startswith(NUMERIC) and port.start is not None:
-            system.set(f"{name}.{port.name}", np.reshape(port.start, port.shape))
-    experiment = fmu.model.defaultExperiment
+    system = single(path)
+    (component,) = system.components.values()
+    system.name = path.stem
+    experiment = component.fmu.model.defaultExperiment
     start = float(experiment.startTime or 0.0) if experiment else 0.0
     stop = float(experiment.stopTime or start + _STOP) if experiment else start + _STOP
     step = float(experiment.stepSize or (stop - start) / _STEPS) if experiment else (stop - start) / _STEPS

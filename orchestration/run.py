@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import platform
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields
-from datetime import UTC, datetime
-from importlib import metadata
+from dataclasses import asdict
 from math import inf
 from pathlib import Path
 from typing import Any, get_args
@@ -24,12 +21,11 @@ from orchestration.hdf5 import FileRecording, FileResult
 from orchestration.instance import CallFailed
 from orchestration.live import Change, Condition, Inputs, Pace
 from orchestration.loops import LoopSolver
+from orchestration.manifest import make_manifest
 from orchestration.plan import Floats
 from orchestration.results import Recording, Result, RunFailed, RunInterrupted
 from orchestration.session import Stepping
-from orchestration.system import Connection, System, Value
-
-_PACKAGES = ("adcs-fmus", "fmpy", "numpy", "scipy", "ziglang")
+from orchestration.system import System, Value
 
 
 def run(
@@ -145,7 +141,7 @@ def run(
         **({"resume": str(resume)} if resume is not None else {}),
         **({"solve_loops": asdict(solve_loops)} if solve_loops is not None else {}),
     }
-    manifest = _manifest(system, fmi_version, settings)
+    manifest = make_manifest(system, fmi_version, settings)
     states: Floats = np.empty((grid.steps + 1, 0))
     state_names: list[str] = []
     clock = _Clock()
@@ -242,61 +238,3 @@ class _Clock:
 def _choice(name: str, value: object, options: Any) -> None:
     if value not in get_args(options):
         raise AdcsError(f"{name} = {value!r} is unknown: use {' or '.join(map(repr, get_args(options)))}")
-
-
-def _manifest(system: System, fmi_version: FmiVersion, settings: dict[str, Any]) -> dict[str, Any]:
-    components = {}
-    seeds = {}
-    for component in system.components.values():
-        fmu = component.open(fmi_version)
-        start = {name: _nested(values, fmu.ports[name].shape) for name, values in component.start.items()}
-        components[component.name] = {
-            "fmu": str(component.source),
-            "file": fmu.path.name,
-            "fmi_version": fmu.model.fmiVersion,
-            "sha256": fmu.sha256,
-            "start": start,
-            **({"every": component.every} if component.every > 1 else {}),
-        }
-        for port in fmu.ports.values():
-            if port.name == "seed" or port.name.endswith("_seed"):
-                default = None if port.start is None else _nested(port.start, port.shape)
-                seeds[f"{component.name}.{port.name}"] = start.get(port.name, default)
-    return {
-        "system": {
-            "name": system.name,
-            "description": system.description,
-            "components": components,
-            "connections": [_described(c) for c in system.connections],
-        },
-        "settings": settings,
-        "seeds": seeds,
-        "versions": {
-            **{name: _version(name) for name in _PACKAGES},
-            "python": platform.python_version(),
-            "platform": platform.platform(),
-        },
-        "started": datetime.now(UTC).isoformat(timespec="seconds"),
-    }
-
-
-def _described(connection: Connection) -> list[Any]:
-    """Source and target, and what else is not usual about the connection."""
-    usual = Connection(connection.source, connection.target)
-    unusual = {
-        f.name: value
-        for f in fields(Connection)
-        if f.name != "given" and (value := getattr(connection, f.name)) != getattr(usual, f.name)
-    }
-    return [connection.source, connection.target, *([unusual] if unusual else [])]
-
-
-def _nested(values: tuple[Any, ...], shape: tuple[int, ...]) -> Any:
-    return np.asarray(values).reshape(shape).tolist()
-
-
-def _version(package: str) -> str | None:
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return None

@@ -2,41 +2,28 @@
 
 from __future__ import annotations
 
-import json as json_
-import re
-import shlex
-import sys
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
-from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
 import typer
-from rich.console import Console
-from rich.markup import escape
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
-from rich.table import Table
 
 from fmus.errors import AdcsError
 from hil_bridge import options as ground
 from hil_bridge.options import Options
-from orchestration import plots, report
 from orchestration.accuracy import Estimate, estimate_error
 from orchestration.coupled import SolverName
 from orchestration.fmu import Kind
 from orchestration.loops import LoopMethod, LoopSolver
 from orchestration.named import find_system
-from orchestration.results import Result, RunFailed, RunInterrupted
+from orchestration.results import RunFailed, RunInterrupted
 from orchestration.run import run as run_system
 from orchestration.session import Stepping
+from orchestration.showing import REPORT_FILES, Format, as_json, exit_code, progress, show, write_files, write_report
 from orchestration.system import System
-from orchestration.values import parse_value
-from studies.registry import SystemEntry
+from orchestration.words import assigned, seconds
 
-Format = Literal["csv", "mat", "hdf5"]
-
-_REPORT_FILES = ("report.html", "report.png")
 _LARGE = 20_000_000  # values; more are written, but not read again for key numbers and report
 _NUMERICS, _DURING, _RESULTS = "How it is solved", "What happens during the run", "Results"
 _GROUND = "Ground tools"
@@ -231,8 +218,7 @@ def run(
     entry = find_system(system)
     built = entry.build()
     for assignment in set_ or []:
-        name, value = _assigned(built, assignment, "--set")
-        built.set(name, value)
+        built.set(*assigned(built, assignment))
     for assignment in every or []:
         _every(built, assignment)
     for assignment in delay or []:
@@ -286,24 +272,24 @@ def run(
         wanted = _with_outputs(built, wanted)
     elif to or allow or map_:
         raise AdcsError("--to, --allow and --map are for ground tools: add --mavlink")
-    with attached, _progress() as progress:
-        for name in _REPORT_FILES:  # those of an earlier run would not belong to the other files
+    with attached, progress() as bar:
+        for name in REPORT_FILES:  # those of an earlier run would not belong to the other files
             (folder / name).unlink(missing_ok=True)
-        task = progress.add_task(entry.name, total=1.0)
+        task = bar.add_task(entry.name, total=1.0)
         stopped: RunFailed | RunInterrupted | None = None
 
         def update(part: float) -> None:
-            progress.update(task, completed=part)
+            bar.update(task, completed=part)
 
         try:
             result = run_system(built, **settings, record=wanted, progress=update)
         except (RunFailed, RunInterrupted) as error:
             stopped, result = error, error.result
-        progress.update(task, completed=1.0, description="writing the results")
+        bar.update(task, completed=1.0, description="writing the results")
         written = result if record is None else result.select(record)
-        files = _write(written, folder, formats)
+        files = write_files(written, folder, formats)
         if estimate and stopped is None:
-            progress.update(task, completed=0.0, description="estimating the error")
+            bar.update(task, completed=0.0, description="estimating the error")
             errors = estimate_error(result, run_system, update)
             result.manifest["error_estimate"] = errors.as_dict()
             written.write_manifest(folder / "manifest.json")
@@ -311,14 +297,13 @@ def run(
         whole = (record is None or not no_report) and not large  # key numbers need all outputs
         numbers = list(entry.key_numbers(result)) if whole and not stopped else []
         if not (stopped or no_report or large):
-            files += _write_report(entry, result, numbers, errors, folder)
+            files += write_report(entry, result, numbers, errors, folder)
     if json:
-        typer.echo(_as_json(result, numbers, files))
+        typer.echo(as_json(result, numbers, files))
     else:
-        _show(result, numbers, errors, files)
+        show(result, numbers, errors, files)
     if stopped is not None:
-        print(f"adcs: {stopped}", file=sys.stderr)
-        raise typer.Exit(1 if isinstance(stopped, RunFailed) else 130)
+        raise typer.Exit(exit_code(stopped))
 
 
 def _formats(wanted: Sequence[str] | None) -> list[Format]:
@@ -329,25 +314,11 @@ def _formats(wanted: Sequence[str] | None) -> list[Format]:
     return [known[name] for name in dict.fromkeys(wanted or ("csv", "mat"))]
 
 
-def _progress() -> Progress:
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    console = Console(stderr=True)
-    return Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
-
-
-def _assigned(system: System, assignment: str, option: str) -> tuple[str, Any]:
-    name, equals, text = assignment.partition("=")
-    if not equals:
-        raise AdcsError(f"{option} {assignment}: expected COMPONENT.VARIABLE=VALUE")
-    component, port = system.port(name)
-    return name, parse_value(system.components[component].fmu, port, text)
-
-
 def _change(system: System, text: str) -> tuple[float, str, Any]:
     time, blank, assignment = text.strip().partition(" ")
     if not blank:
         raise AdcsError(f"--at {text}: expected TIME COMPONENT.VARIABLE=VALUE, as in --at 120s controller.k_p=2")
-    return _seconds(time, "--at"), *_assigned(system, assignment.strip(), "--at")
+    return seconds(time, "--at"), *assigned(system, assignment.strip(), "--at")
 
 
 def at_in_one(arguments: Sequence[str]) -> list[str]:
@@ -376,137 +347,8 @@ def _delay(system: System, assignment: str) -> None:
     if text.isdecimal():
         system.delay(name, steps=int(text))
     else:
-        system.delay(name, seconds=_seconds(text, f"--delay {name}"))
-
-
-def _seconds(text: str, what: str) -> float:
-    match = re.fullmatch(r"\s*(?P<number>[-+.\deE]+)\s*(?P<unit>ms|s|min|h)?\s*", text)
-    try:
-        return float(match["number"]) * {"ms": 1e-3, "min": 60.0, "h": 3600.0}.get(match["unit"], 1.0)  # type: ignore[index]
-    except (TypeError, ValueError):
-        raise AdcsError(f"{what}: {text!r} is not a time, write 120s, 0.1s, 5ms, 2min or 1h") from None
+        system.delay(name, seconds=seconds(text, f"--delay {name}"))
 
 
 def _with_outputs(system: System, record: Sequence[str] | None) -> list[str] | None:
     return None if record is None else list(dict.fromkeys([*system.outputs(), *record]))
-
-
-def _write(result: Result, folder: Path, formats: Sequence[Format]) -> list[Path]:
-    made = []
-    if "csv" in formats:
-        result.write_csv(folder / "result.csv")
-        made.append(folder / "result.csv")
-    if "mat" in formats:
-        result.write_mat(folder / "result.mat")
-        made.append(folder / "result.mat")
-    if "hdf5" in formats:
-        if len(formats) > 1:  # else it is there already
-            result.write_hdf5(folder / "result.h5")
-        made.append(folder / "result.h5")
-    result.write_manifest(folder / "manifest.json")
-    return [*made, folder / "manifest.json"]
-
-
-def _write_report(
-    entry: SystemEntry,
-    result: Result,
-    numbers: Sequence[report.KeyNumber],
-    errors: Estimate | None,
-    folder: Path,
-) -> list[Path]:
-    panels = entry.figures(result)
-    files = [folder / name for name in _REPORT_FILES]
-    report.write(
-        files[0],
-        entry.name,
-        ". ".join(text for text in (entry.description, entry.reference) if text),
-        panels,
-        [] if errors is None else [_error_table(errors)],
-        manifest={key: value for key, value in result.manifest.items() if key != "error_estimate"},
-        key_numbers=numbers,
-        command=shlex.join(["adcs", *sys.argv[1:]]),
-    )
-    plots.write_png(files[1], panels, entry.name)
-    return files
-
-
-def _error_table(errors: Estimate) -> report.Table:
-    rows = [[d.variable, d.unit or "", d.most, d.at, d.rms] for d in errors.deviations]
-    columns = ["variable", "unit", "largest", "at [s]", "root mean square"]
-    return report.Table(f"Error of the exchange step, by {errors.method}: {errors.note}", columns, rows)
-
-
-def _as_json(result: Result, numbers: Sequence[report.KeyNumber], files: Sequence[Path]) -> str:
-    optional = ("real_time", "algebraic_loops", "adaptive", "error_estimate", "commands", "mavlink", "tlog")
-    content: dict[str, Any] = {
-        "system": result.system.name,
-        "outcome": result.manifest["outcome"],
-        "timing": result.manifest["timing"],
-        **{name: result.manifest[name] for name in optional if name in result.manifest},
-        "key_numbers": [{"label": n.label, "value": _finite(n.value), "unit": n.unit, "note": n.note} for n in numbers],
-        "files": [str(file) for file in files],
-    }
-    return json_.dumps(content, indent=2)
-
-
-def _finite(value: Any) -> Any:
-    return None if isinstance(value, float) and not isfinite(value) else value
-
-
-def _show(result: Result, numbers: Sequence[report.KeyNumber], errors: Estimate | None, files: Sequence[Path]) -> None:
-    console = Console()
-    if numbers:
-        title = result.system.description or result.system.name
-        _print_table(console, title, ["", "value", "unit", ""], [[n.label, n.value, n.unit, n.note] for n in numbers])
-    if errors is not None:
-        table = _error_table(errors)
-        _print_table(console, table.title, list(table.columns), [list(row) for row in table.rows])
-    for line in _lines(result):
-        console.print(line, soft_wrap=True, highlight=False)
-    for file in files:
-        console.print(str(file), soft_wrap=True, highlight=False)
-
-
-def _print_table(console: Console, title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
-    table = Table(title=escape(title), title_justify="left", title_style="bold")
-    for i, column in enumerate(columns):
-        number = any(isinstance(row[i], float) for row in rows)
-        table.add_column(escape(column), justify="right" if number else "left", overflow="fold")
-    for row in rows:
-        table.add_row(*(report.format_cell(cell) for cell in row))
-    console.print(table)
-
-
-def _lines(result: Result) -> list[str]:
-    """What else there is to say about a run, a line each."""
-    manifest = result.manifest
-    lines = []
-    timing = manifest["timing"]
-    if timing.get("simulated_s_per_cpu_s"):
-        lines.append(
-            f"{timing['simulated_s']:g} s in {timing['cpu_s']:.3g} s of CPU time, "
-            f"{timing['simulated_s_per_cpu_s']:,.0f} times faster than real time"
-        )
-    if met := manifest["outcome"].get("met"):
-        lines.append(f"ended at t = {met['time']:.9g} s, where {met['condition']}")
-    if pace := manifest.get("real_time"):
-        lines.append(
-            f"paced at {pace['speed']:g} times real time: late by {1e3 * pace['late_median_s']:.3g} ms in the median, "
-            f"{1e3 * pace['late_99_percent_s']:.3g} ms at 99 %, {1e3 * pace['late_most_s']:.3g} ms at most"
-        )
-    lines += [f"t = {t:.9g} s: {name} = {value} by {who}" for t, name, value, who in manifest.get("commands", [])[:10]]
-    lines += [
-        f"{each['endpoint']}: {each['sent']} messages sent, {each['not_sent']} not, {each['received']} received"
-        for each in manifest.get("mavlink", {}).get("endpoints", [])
-        if isinstance(each, dict)
-    ]
-    lines += [
-        f"algebraic loop of {loop['path']}: solved {loop['solved']} times by {loop['method']} in "
-        f"{loop['iterations'] / max(loop['solved'], 1):.3g} iterations on average, {loop['most_iterations']} at "
-        f"most, relative residual {loop['residual']:.1e}"
-        for loop in manifest.get("algebraic_loops", [])
-    ]
-    if adaptive := manifest.get("adaptive"):
-        steps = ", ".join(f"{step} s in {n}" for step, n in adaptive["intervals_by_exchange_step"].items())
-        lines.append(f"exchange step {steps} intervals; {adaptive['rejected']} tries rejected")
-    return lines

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
@@ -18,9 +17,10 @@ from hil_bridge.hil.flying import check, fly
 from hil_bridge.hil.link import PORT, Server
 from hil_bridge.hil.lockstep import Flight, Terms
 from hil_bridge.hil.wiring import Wiring
-from orchestration import run_cli
 from orchestration.named import find_system
 from orchestration.results import Result, RunFailed, RunInterrupted
+from orchestration.showing import REPORT_FILES, as_json, exit_code, progress, show, write_files, write_report
+from orchestration.words import assigned
 
 _LINE, _TERMS, _SIGNALS, _RESULTS = "Connection", "Time", "What it sees and moves", "Results"
 
@@ -123,7 +123,7 @@ def hil(
     entry = find_system(system)
     built = entry.build()
     for assignment in set_ or []:
-        built.set(*run_cli._assigned(built, assignment, "--set"))
+        built.set(*assigned(built, assignment))
     wiring = Wiring.find(built, torque)
     effect = Actuators.from_csv(actuators) if actuators else Actuators.by_axis(_numbers(max_torque))
     terms = Terms(not free_running, timeout, warm_up, speed, frame, epoch, not no_truth, not no_star_tracker)
@@ -145,8 +145,8 @@ def hil(
             "wiring": asdict(wiring),
             "effect": effect.effect.tolist(),
         }
-        with run_cli._progress() as progress:
-            task = progress.add_task(entry.name, total=1.0)
+        with progress() as bar:
+            task = bar.add_task(entry.name, total=1.0)
             try:
                 result = fly(
                     built,
@@ -154,25 +154,24 @@ def hil(
                     stop_time=stop,
                     step=step,
                     settings=settings,
-                    progress=lambda part: progress.update(task, completed=part),
+                    progress=lambda part: bar.update(task, completed=part),
                 )
             except (RunFailed, RunInterrupted) as error:
                 stopped, result = error, error.result
-    for name in ("report.html", "report.png"):
+    for name in REPORT_FILES:
         (folder / name).unlink(missing_ok=True)
-    files = run_cli._write(result, folder, ["csv", "mat"])
+    files = write_files(result, folder, ["csv", "mat"])
     numbers = [] if stopped else list(entry.key_numbers(result))
     if not (stopped or no_report):
-        files += run_cli._write_report(entry, result, numbers, None, folder)
+        files += write_report(entry, result, numbers, None, folder)
     if json:
-        typer.echo(run_cli._as_json(result, numbers, files))
+        typer.echo(as_json(result, numbers, files))
     else:
-        run_cli._show(result, numbers, None, files)
+        show(result, numbers, None, files)
         for line in _lines(result):
             Console().print(line, highlight=False, soft_wrap=True)
     if stopped is not None:
-        print(f"adcs: {stopped}", file=sys.stderr)
-        raise typer.Exit(1 if isinstance(stopped, RunFailed) else 130)
+        raise typer.Exit(exit_code(stopped))
 
 
 def _numbers(text: str) -> tuple[float, ...]:

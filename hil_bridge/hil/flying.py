@@ -12,8 +12,8 @@ from orchestration import System
 from orchestration.fmu import FmiVersion
 from orchestration.grid import Grid
 from orchestration.instance import CallFailed
+from orchestration.manifest import make_manifest
 from orchestration.results import Recording, Result, RunFailed, RunInterrupted
-from orchestration.run import _manifest
 from orchestration.session import CoSimulation
 
 
@@ -35,7 +35,7 @@ def fly(
     grid = Grid.make(0.0, stop_time, step)
     recording = Recording(system, None, grid.steps + 1)
     times = grid.times
-    manifest = _manifest(
+    manifest = make_manifest(
         system,
         fmi_version,
         {"method": "co-simulation", "stop_time": float(stop_time), "step": grid.step, "hil": settings or {}},

@@ -34,7 +34,7 @@ def export_command(
     """
     from orchestration.ssp.read import read_ssp
     from orchestration.ssp.write import write_ssp
-    from orchestration.values import parse_value
+    from orchestration.words import assigned
     from studies.registry import SYSTEMS
 
     start_time = 0.0
@@ -55,11 +55,7 @@ def export_command(
     if target.suffix != ".ssp":
         raise AdcsError(f"{target} does not end in .ssp: write adcs export SYSTEM --ssp FILE.ssp")
     for assignment in set_ or []:
-        name, equals, text = assignment.partition("=")
-        if not equals:
-            raise AdcsError(f"--set {assignment}: expected COMPONENT.VARIABLE=VALUE")
-        component, port = built.port(name)
-        built.set(name, parse_value(built.components[component].fmu, port, text))
+        built.set(*assigned(built, assignment))
     write_ssp(
         built,
         target,

@@ -1,0 +1,37 @@
+"""Words of a command line that several commands take: values of variables, and times."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from fmus.errors import AdcsError
+from orchestration.system import System
+from orchestration.values import parse_value
+
+
+def assigned(system: System, assignment: str, option: str = "--set", alone: str | None = None) -> tuple[str, Any]:
+    """Read COMPONENT.VARIABLE=VALUE: the name, and the value in the variable's unit.
+
+    Of a system of one component, which `alone` names, VARIABLE=VALUE is enough.
+    """
+    name, equals, text = assignment.partition("=")
+    if not equals:
+        raise AdcsError(f"{option} {assignment}: expected COMPONENT.VARIABLE=VALUE")
+    name = full_name(name.strip(), alone)
+    component, port = system.port(name)
+    return name, parse_value(system.components[component].fmu, port, text)
+
+
+def full_name(name: str, alone: str | None) -> str:
+    """`component.variable`, where the component may have been left out."""
+    return name if alone is None or name.startswith(f"{alone}.") else f"{alone}.{name}"
+
+
+def seconds(text: str, what: str) -> float:
+    """Read a time [s] with or without a unit; `what` is the option, for the error."""
+    match = re.fullmatch(r"\s*(?P<number>[-+.\deE]+)\s*(?P<unit>ms|s|min|h)?\s*", text)
+    try:
+        return float(match["number"]) * {"ms": 1e-3, "min": 60.0, "h": 3600.0}.get(match["unit"], 1.0)  # type: ignore[index]
+    except (TypeError, ValueError):
+        raise AdcsError(f"{what}: {text!r} is not a time, write 120s, 0.1s, 5ms, 2min or 1h") from None

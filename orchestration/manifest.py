@@ -65,7 +65,8 @@ def _described(connection: Connection) -> list[Any]:
 
 
 def _nested(values: tuple[Any, ...], shape: tuple[int, ...]) -> Any:
-    return np.asarray(values).reshape(shape).tolist()
+    texts = [value.hex() if isinstance(value, bytes) else value for value in values]  # as `System.set` reads them
+    return np.asarray(texts).reshape(shape).tolist()
 
 
 def _version(package: str) -> str | None:

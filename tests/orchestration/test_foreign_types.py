@@ -1,5 +1,6 @@
 """Values of every type: start values, inputs, outputs; enumerations, texts, binary values, array sizes."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -119,6 +120,17 @@ def test_texts(foreign, version):
 def test_binary_values(foreign, given):
     result = run(alone(foreign("types"), inputs("3.0") | {"blob": given}), stop_time=1.0, step=1.0)
     assert result["c.bytes"][0] == 1 + 2 + 240
+
+
+def test_a_manifest_holds_binary_values_as_they_are_given_again(foreign, tmp_path):
+    system = alone(foreign("types"), inputs("3.0") | {"blob": b"\x01\x00"})
+    result = run(system, stop_time=1.0, step=1.0)
+    result.write_manifest(tmp_path / "manifest.json")
+    start = json.loads((tmp_path / "manifest.json").read_text())["system"]["components"]["c"]["start"]
+    assert start["blob"] == "0100"
+    again = System("again")
+    again.add("c", foreign("types"), start)
+    assert np.array_equal(run(again, **result.manifest["settings"]).data, result.data)
 
 
 def test_an_empty_binary_value(foreign):

@@ -12,11 +12,22 @@ from tests.adaptor import test_dependencies as dependencies
 
 from . import adaptive_reference as ref
 from . import reference
-from . import test_components as components
 from .adaptive_reference import DIAGONAL, MASSES, Adaptation, errors, every_element
+from .at_points import (
+    Law,
+    Point,
+    compare,
+    directions,
+    draw,
+    inertia,
+    integrates_with_fourth_order,
+    opened,
+    quaternion,
+    slopes,
+    to_1e_12,
+)
 from .fmu_access import VERSIONS, Component
 from .reference import Array, rotation
-from .test_components import Law, Point, inertia, quaternion
 
 Draw = Callable[[np.random.Generator], Point]
 
@@ -227,44 +238,39 @@ LAWS = {
     ),
 }
 
+
 INERTIAS = ("J_0_B", "J_1_B")
 
 
-def directions(name: str, value: Array) -> list[Array]:
-    """As for the other components, with all inertias kept symmetric."""
-    return _directions("J_B" if name in INERTIAS else name, value)
-
-
-_directions = components.directions
-
-
-@pytest.fixture(autouse=True)
-def _known_to_the_common_tests(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name, law in LAWS.items():
-        monkeypatch.setitem(components.LAWS, name, law)
-    monkeypatch.setattr(components, "directions", directions)
+def symmetric_directions(name: str, value: Array) -> list[Array]:
+    return directions(name, value, inertias=("J_B", *INERTIAS))
 
 
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("name", LAWS)
 def test_outputs_and_derivatives(name: str, version: int) -> None:
-    components.test_outputs_and_derivatives(name, version)
+    for point in draw(name, LAWS[name]):
+        with opened(name, version, point) as component:
+            compare(component, LAWS[name], point, to_1e_12)
 
 
 @pytest.mark.parametrize("name", LAWS)
 def test_directional_derivatives(name: str) -> None:
-    components.test_directional_derivatives(name, 2)
+    for point in draw(name, LAWS[name], 3):
+        with opened(name, 2, point) as component:
+            for known, analytic, numeric in slopes(component, point, symmetric_directions):
+                np.testing.assert_allclose(analytic, numeric, rtol=1e-8, atol=1e-8, err_msg=f"by {known}")
 
 
 @pytest.mark.parametrize("name", ["AppendageBody", "FuelLossBody", "NonCertaintyEquivalenceTracking"])
 def test_co_simulation_integrates_with_fourth_order(name: str) -> None:
-    components.test_co_simulation_integrates_with_fourth_order(name, 2)
+    integrates_with_fourth_order(name, 2, LAWS[name], *draw(name, LAWS[name], 1))
 
 
 def test_the_points_reach_both_sides_of_the_projection() -> None:
     """Else the comparison above would not see it."""
     acting = []
-    for point in components.points("AdaptiveFuelTracking"):
+    for point in draw("AdaptiveFuelTracking", LAWS["AdaptiveFuelTracking"]):
         _, rates = certainty_equivalence(point, "sigma_est", DIAGONAL)
         _, plain = certainty_equivalence({**point, "sigma_bound": 1e6, "theta_bound": 1e6}, "sigma_est", DIAGONAL)
         acting.append([np.abs(rates[n] - plain[n]).max() > 1e-6 for n in ("theta_est", "sigma_est")])

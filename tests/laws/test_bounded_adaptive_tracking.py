@@ -1,6 +1,7 @@
 """De Ruiter's adaptive law, its guidance, error generator and disturbance: each alone, and the loop they close."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,10 +16,19 @@ from studies.deruiter import systems
 from studies.deruiter.settings import NOMINAL_INERTIA, Choices
 
 from . import deruiter_reference as ref
+from .at_points import (
+    Law,
+    Point,
+    compare,
+    draw,
+    inertia,
+    opened,
+    quaternion,
+    slopes,
+)
 from .deruiter_reference import HATS, MUTANTS, Gains, Loop
 from .fmu_access import VERSIONS, Component
-from .reference import Array, kinematics, rate_along, rotation, skew
-from .test_components import Law, Point, change, directions, inertia, opened, quaternion, tunable
+from .reference import Array, kinematics, rotation, skew
 
 POINTS = 24
 
@@ -141,9 +151,14 @@ LAWS = {
 }
 
 
-def points(name: str, n: int = POINTS) -> list[Point]:
-    rng = np.random.default_rng(list(name.encode()))
-    return [{k: np.asarray(v) for k, v in LAWS[name].draw(rng).items()} for _ in range(n)]
+def of_size(ours: Any, expected: Any, variable: str) -> None:
+    scale = max(1.0, float(np.abs(expected).max()))
+    np.testing.assert_allclose(ours, expected, rtol=1e-12, atol=1e-12 * scale, err_msg=variable)
+
+
+def own_steps(component: Component, known: str, value: Array) -> tuple[float, float]:
+    size = max(float(np.abs(value).max()), 1e-3) if known in component.states else 1.0
+    return 1.0, 2e-4 * size
 
 
 # --- each component alone ---------------------------------------------------------------------------------------------
@@ -152,26 +167,14 @@ def points(name: str, n: int = POINTS) -> list[Point]:
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("name", LAWS)
 def test_outputs_and_derivatives(name: str, version: int) -> None:
-    law = LAWS[name]
-    for point in points(name):
+    for point in draw(name, LAWS[name], POINTS):
         with opened(name, version, point) as component:
-            outputs = law.outputs(point)
-            assert set(outputs) == set(component.names("output"))
-            for variable, expected in outputs.items():
-                scale = max(1.0, float(np.abs(expected).max()))
-                np.testing.assert_allclose(
-                    component.get(variable), expected, rtol=1e-12, atol=1e-12 * scale, err_msg=variable
-                )
-            rates, derivatives = law.rates(point), component.derivatives()
-            assert set(derivatives) == set(rates)
-            for state, expected in rates.items():
-                scale = max(1.0, float(np.abs(expected).max()))
-                np.testing.assert_allclose(derivatives[state], expected, rtol=1e-12, atol=1e-12 * scale, err_msg=state)
+            compare(component, LAWS[name], point, of_size)
 
 
 def test_the_random_points_reach_every_branch_of_the_law() -> None:
     resting = acting = acting_p = free = 0
-    for p in points("BoundedAdaptiveTracking"):
+    for p in draw("BoundedAdaptiveTracking", LAWS["BoundedAdaptiveTracking"], POINTS):
         y, g = control(p), Gains.of(p)
         if np.linalg.norm(y["filtered"]) <= g.dead_zone:
             resting += 1
@@ -189,23 +192,11 @@ def test_the_random_points_reach_every_branch_of_the_law() -> None:
 @pytest.mark.parametrize("name", LAWS)
 def test_directional_derivatives(name: str, version: int) -> None:
     """Against central differences of sixth order, for every input, state and tunable parameter."""
-    for point in points(name, 2):
+    for point in draw(name, LAWS[name], 2):
         with opened(name, version, point) as component:
-            unknowns = component.names("output") + [f"der({s})" for s in component.states]
-            for known in component.names("input") + component.states + tunable(component):
-                value = point[known]
-                size = max(float(np.abs(value).max()), 1e-3) if known in component.states else 1.0
-
-                def evaluate(_: float, x: Array, known: str = known, component: Component = component) -> Array:
-                    change(component, point, known, x)  # noqa: B023
-                    return np.concatenate([component.get(u).ravel() for u in unknowns])  # noqa: B023
-
-                for direction in directions(known, value):
-                    analytic = component.directional(unknowns, known, direction)
-                    numeric = rate_along(evaluate, 0.0, value, direction, h=2e-4 * size)
-                    change(component, point, known, value)
-                    scale = max(1.0, float(np.abs(numeric).max()))
-                    np.testing.assert_allclose(analytic, numeric, rtol=1e-8, atol=2e-8 * scale, err_msg=f"by {known}")
+            for known, analytic, numeric in slopes(component, point, steps=partial(own_steps, component)):
+                scale = max(1.0, float(np.abs(numeric).max()))
+                np.testing.assert_allclose(analytic, numeric, rtol=1e-8, atol=2e-8 * scale, err_msg=f"by {known}")
 
 
 @pytest.mark.parametrize("version", VERSIONS)
@@ -235,7 +226,7 @@ def test_estimation_errors_stay_within_their_bounds_and_come_close(version: int)
 @pytest.mark.parametrize("version", VERSIONS)
 def test_reference_rate_integrates_to_the_attitude(version: int) -> None:
     """Over 40 s in Co-Simulation, against DOP853 on rotation matrices: C' = -S(omega) C."""
-    p = points("SinusoidalRateReference", 1)[0]
+    p = draw("SinusoidalRateReference", LAWS["SinusoidalRateReference"], 1)[0]
 
     def flow(t: float, c: Array) -> Array:
         return (-skew(reference_rates({**p, "time": t})[0]) @ c.reshape(3, 3)).ravel()
@@ -253,7 +244,7 @@ def test_reference_rate_integrates_to_the_attitude(version: int) -> None:
 def test_the_recomputation_tells_mistakes_apart(mutant: str) -> None:
     """Each deliberate mistake in the recomputed law is far from the component at some of the points."""
     largest = 0.0
-    for p in points("BoundedAdaptiveTracking"):
+    for p in draw("BoundedAdaptiveTracking", LAWS["BoundedAdaptiveTracking"], POINTS):
         right, wrong = control(p), control(p, mutant)
         for name in ("torque", "theta_dot", "theta_p_dot"):
             largest = max(largest, np.abs(wrong[name] - right[name]).max() / max(1e-9, np.abs(right[name]).max()))

@@ -1,45 +1,28 @@
 """Each component alone: outputs, derivatives and directional derivatives at random points against the recomputation."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.stats import chisquare, kstest
 
 from . import reference as ref
-from .fmu_access import VERSIONS, Component, united, unpacked
-from .reference import Array, Reference, rate_along, rotation
-
-Point = dict[str, Array]
-POINTS = 20
-
-
-def quaternion(rng: np.random.Generator) -> Array:
-    q = rng.normal(size=4)
-    return q / np.linalg.norm(q)
-
-
-def inertia(rng: np.random.Generator) -> Array:
-    """Of six unequal point masses, hence physical."""
-    return np.sum(
-        [
-            m * (r @ r * np.eye(3) - np.outer(r, r))
-            for m, r in zip(rng.uniform(1, 5, 6), rng.normal(size=(6, 3)), strict=True)
-        ],
-        axis=0,
-    )
-
-
-@dataclass(frozen=True)
-class Law:
-    """How to draw a point (parameters, states, inputs, time), and what the component must answer there."""
-
-    draw: Callable[[np.random.Generator], Point]
-    outputs: Callable[[Mapping[str, Any]], Point]
-    rates: Callable[[Mapping[str, Any]], Point]
+from .at_points import (
+    Law,
+    Point,
+    compare,
+    draw,
+    inertia,
+    integrates_with_fourth_order,
+    opened,
+    quaternion,
+    same_bits,
+    slopes,
+    to_1e_12,
+)
+from .fmu_access import VERSIONS, Component
+from .reference import Array, Reference, rotation
 
 
 def profile(p: Mapping[str, Any]) -> Reference:
@@ -138,56 +121,17 @@ LAWS = {
 }
 
 
-def opened(name: str, version: int, point: Point) -> Component:
-    """An instance at ``point``: its parameters as start values, then time, states and inputs while it runs."""
-    component = Component(name, version, {n: v for n, v in point.items() if is_parameter(name, version, n)})
-    component.at(float(point.get("time", 0.0)))
-    component.set_states(point)
-    component.set({n: v for n, v in point.items() if n in component.names("input")})
-    return component
-
-
-def is_parameter(name: str, version: int, variable: str) -> bool:
-    array = united(unpacked(name, version)[1]).get(variable)
-    return array is not None and array.first.causality == "parameter"
-
-
-def points(name: str, n: int = POINTS) -> list[Point]:
-    rng = np.random.default_rng(list(name.encode()))
-    return [{k: np.asarray(v) for k, v in LAWS[name].draw(rng).items()} for _ in range(n)]
-
-
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("name", LAWS)
 def test_outputs_and_derivatives(name: str, version: int) -> None:
-    law = LAWS[name]
-    for point in points(name):
+    for point in draw(name, LAWS[name]):
         with opened(name, version, point) as component:
-            outputs = law.outputs(point)
-            assert set(outputs) == set(component.names("output"))
-            for variable, expected in outputs.items():
-                np.testing.assert_allclose(component.get(variable), expected, rtol=1e-12, atol=1e-12, err_msg=variable)
-            rates, derivatives = law.rates(point), component.derivatives()
-            assert set(derivatives) == set(rates)
-            for state, expected in rates.items():
-                np.testing.assert_allclose(derivatives[state], expected, rtol=1e-12, atol=1e-12, err_msg=state)
-                np.testing.assert_array_equal(component.get(f"der({state})"), derivatives[state])
+            compare(component, LAWS[name], point, to_1e_12)
 
 
 @pytest.mark.parametrize("name", LAWS)
 def test_both_fmi_versions_give_the_same_bits(name: str) -> None:
-    for point in points(name, 3):
-        with opened(name, 2, point) as two, opened(name, 3, point) as three:
-            for variable in two.names("output", "local"):
-                np.testing.assert_array_equal(two.get(variable), three.get(variable), err_msg=variable)
-
-
-def directions(name: str, value: Array) -> list[Array]:
-    """A basis of the admissible changes of a variable: an inertia stays symmetric."""
-    basis = np.eye(value.size).reshape(-1, *value.shape)
-    if name == "J_B":
-        return [(b + b.T) / 2 for b in basis if np.argmax(b) % 3 >= np.argmax(b) // 3]
-    return list(basis)
+    same_bits(name, LAWS[name])
 
 
 @pytest.mark.parametrize("version", VERSIONS)
@@ -196,65 +140,17 @@ def test_directional_derivatives(name: str, version: int) -> None:
     """Against central differences of sixth order, for every input, state and tunable parameter."""
     rng = np.random.default_rng(7)
     tracker = {"half_angle": np.array(0.3), "redraw_period": np.array(0.1), "seed": np.array(5)}
-    cases = points(name, 3) if name in LAWS else [{**tracker, "q_BN": quaternion(rng)} for _ in range(3)]
+    cases = draw(name, LAWS[name], 3) if name in LAWS else [{**tracker, "q_BN": quaternion(rng)} for _ in range(3)]
     for point in cases:
         with opened(name, version, point) as component:
-            unknowns = component.names("output") + [f"der({s})" for s in component.states]
-            for known in component.names("input") + component.states + tunable(component):
-                value = point[known]
-
-                def evaluate(_: float, x: Array, known: str = known) -> Array:
-                    change(component, point, known, x)  # noqa: B023
-                    return np.concatenate([component.get(u).ravel() for u in unknowns])  # noqa: B023
-
-                for direction in directions(known, value):
-                    analytic = component.directional(unknowns, known, direction)
-                    numeric = rate_along(evaluate, 0.0, value, direction, h=2e-4)
-                    change(component, point, known, value)
-                    np.testing.assert_allclose(analytic, numeric, rtol=1e-8, atol=1e-8, err_msg=f"by {known}")
-
-
-def tunable(component: Component) -> list[str]:
-    return [n for n in component.names("parameter") if component.variables[n].first.variability == "tunable"]
-
-
-def change(component: Component, point: Point, known: str, value: Array) -> None:
-    if known in component.states:
-        component.set_states({**point, known: value})
-    elif known in tunable(component):
-        with component.event():
-            component.set({known: value})
-    else:
-        component.set({known: value})
+            for known, analytic, numeric in slopes(component, point):
+                np.testing.assert_allclose(analytic, numeric, rtol=1e-8, atol=1e-8, err_msg=f"by {known}")
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("name", [n for n in LAWS if LAWS[n].rates(points(n, 1)[0])])
+@pytest.mark.parametrize("name", [n for n in LAWS if LAWS[n].rates(draw(n, LAWS[n], 1)[0])])
 def test_co_simulation_integrates_with_fourth_order(name: str, version: int) -> None:
-    """Constant inputs over 2 s: the error falls 16-fold with half the internal step, and quaternions stay unit."""
-    law, (point,) = LAWS[name], points(name, 1)
-    point = {n: v / 3 if n.startswith("omega") else v for n, v in point.items()} | {"time": np.array(0.0)}
-    states = list(law.rates(point))
-    sizes = np.cumsum([np.size(point[s]) for s in states])[:-1]
-
-    def flow(t: float, x: Array) -> Array:
-        at = dict(zip(states, np.split(x, sizes), strict=True))
-        rates = law.rates({**point, **at, "time": t})
-        return np.concatenate([np.ravel(rates[s]) for s in states])
-
-    start = np.concatenate([np.ravel(point[s]) for s in states])
-    exact = solve_ivp(flow, (0, 2), start, "DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
-    errors = []
-    for step in (0.05, 0.025):
-        values = {n: v for n, v in point.items() if n != "time"} | {"max_internal_step": step}
-        with Component(name, version, values, co_simulation=True) as component:
-            component.fmu.doStep(0.0, 2.0)
-            x = {s: component.get(s) for s in states}
-            errors.append(np.abs(np.concatenate([np.ravel(x[s]) for s in states]) - exact).max())
-            for state in states:
-                if state.startswith("q_"):
-                    assert np.linalg.norm(x[state]) == pytest.approx(1, abs=1e-15)
-    assert 14 < errors[0] / errors[1] < 18
+    integrates_with_fourth_order(name, version, LAWS[name], *draw(name, LAWS[name], 1))
 
 
 # --- star tracker -----------------------------------------------------------------------------------------------------

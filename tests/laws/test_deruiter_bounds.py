@@ -15,8 +15,8 @@ from fmus.errors import AdcsError
 from studies.deruiter.design import WORST, EstimationBounds, Guarantee, Law, Task, parameters
 
 from . import deruiter_reference as ref
+from .at_points import inertia
 from .reference import Array, kinematics, rotation, skew
-from .test_components import inertia
 
 NOMINAL = ((21.0, 0.0, 0.0), (0.0, 16.5, 0.0), (0.0, 0.0, 14.5))
 TRUE = ((20.0, 1.2, 0.9), (1.2, 17.0, 1.4), (0.9, 1.4, 15.0))

@@ -1,7 +1,6 @@
 """Unit vector sensor, gyro-free law, PD on vectors and QUEST, each alone, against the recomputation."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from itertools import product
 from typing import Any
 
@@ -14,17 +13,10 @@ from orchestration import System, run
 from orchestration.instance import CallFailed
 
 from . import gyro_free_reference as ref
+from .at_points import Law, Point, compare, draw, quaternion, same_bits, slopes, to_1e_12
 from .fmu_access import VERSIONS, Component, unpacked
 from .gyro_free_mutants import MUTANTS
-from .reference import Array, rate_along
-
-Point = dict[str, Any]
-POINTS = 20
-
-
-def quaternion(rng: np.random.Generator) -> Array:
-    q = rng.normal(size=4)
-    return q / np.linalg.norm(q)
+from .reference import Array
 
 
 def definite(rng: np.random.Generator) -> Array:
@@ -48,15 +40,6 @@ def vectors(rng: np.random.Generator) -> Point:
         "weights": rng.uniform(0.1, 2, 3),
         "directions_B": y / np.linalg.norm(y, axis=1, keepdims=True),
     }
-
-
-@dataclass(frozen=True)
-class Law:
-    """How to draw a point (parameters, states, inputs), and what the component must answer there."""
-
-    draw: Callable[[np.random.Generator], Point]
-    outputs: Callable[[Mapping[str, Any]], Point]
-    rates: Callable[[Mapping[str, Any]], Point] = lambda _: {}
 
 
 def gains(p: Mapping[str, Any]) -> ref.Gains:
@@ -123,11 +106,6 @@ LAWS = {
 }
 
 
-def points(name: str, n: int = POINTS) -> list[Point]:
-    rng = np.random.default_rng(list(name.encode()))
-    return [{k: np.asarray(v) for k, v in LAWS[name].draw(rng).items()} for _ in range(n)]
-
-
 def opened(name: str, version: int, point: Mapping[str, Any], **kind: Any) -> Component:
     """An instance whose parameters, inputs and states start at ``point``."""
     return Component(name, version, point, **kind)
@@ -136,53 +114,24 @@ def opened(name: str, version: int, point: Mapping[str, Any], **kind: Any) -> Co
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("name", LAWS)
 def test_outputs_and_derivatives(name: str, version: int) -> None:
-    law = LAWS[name]
-    for point in points(name):
+    for point in draw(name, LAWS[name]):
         with opened(name, version, point) as component:
-            outputs = law.outputs(point)
-            assert set(outputs) == set(component.names("output"))
-            for variable, expected in outputs.items():
-                np.testing.assert_allclose(component.get(variable), expected, rtol=1e-12, atol=1e-12, err_msg=variable)
-            rates, derivatives = law.rates(point), component.derivatives()
-            assert set(derivatives) == set(rates)
-            for state, expected in rates.items():
-                np.testing.assert_allclose(derivatives[state], expected, rtol=1e-12, atol=1e-12, err_msg=state)
+            compare(component, LAWS[name], point, to_1e_12)
 
 
 @pytest.mark.parametrize("name", LAWS)
 def test_both_fmi_versions_give_the_same_bits(name: str) -> None:
-    for point in points(name, 3):
-        with opened(name, 2, point) as two, opened(name, 3, point) as three:
-            for variable in two.names("output", "local"):
-                np.testing.assert_array_equal(two.get(variable), three.get(variable), err_msg=variable)
+    same_bits(name, LAWS[name], opened)
 
 
 @pytest.mark.parametrize("name", LAWS)
 def test_directional_derivatives(name: str) -> None:
     """Against central differences of sixth order, for every input, state and tunable parameter."""
-    for point in points(name, 2):
+    for point in draw(name, LAWS[name], 2):
         with opened(name, 3, point) as component:
-            unknowns = component.names("output") + [f"der({s})" for s in component.states]
-            tunable = [n for n in component.names("parameter") if component.variables[n].first.variability == "tunable"]
-            for known in component.names("input") + component.states + tunable:
-                value = point[known]
-
-                def evaluate(_: float, x: Array, known: str = known, tunable: list[str] = tunable) -> Array:
-                    if known in component.states:
-                        component.set_states({**point, known: x})  # noqa: B023
-                    elif known in tunable:
-                        with component.event():
-                            component.set({known: x})
-                    else:
-                        component.set({known: x})
-                    return np.concatenate([component.get(u).ravel() for u in unknowns])  # noqa: B023
-
-                for direction in directions(known, value):
-                    analytic = component.directional(unknowns, known, direction)
-                    numeric = rate_along(evaluate, 0.0, value, direction, h=2e-4)
-                    evaluate(0.0, value)
-                    scale = max(1.0, np.abs(analytic).max())
-                    np.testing.assert_allclose(analytic, numeric, rtol=1e-8, atol=2e-9 * scale, err_msg=f"by {known}")
+            for known, analytic, numeric in slopes(component, point, directions):
+                scale = max(1.0, np.abs(analytic).max())
+                np.testing.assert_allclose(analytic, numeric, rtol=1e-8, atol=2e-9 * scale, err_msg=f"by {known}")
 
 
 def directions(known: str, value: Array) -> list[Array]:
@@ -194,14 +143,14 @@ def directions(known: str, value: Array) -> list[Array]:
 @pytest.mark.parametrize("name", MUTANTS)
 def test_a_wrong_law_differs_at_random_points(name: str) -> None:
     """By more than a hundred million times what the comparison above allows."""
-    for point in points("GyroFreeStabilization", 5):
+    for point in draw("GyroFreeStabilization", LAWS["GyroFreeStabilization"], 5):
         right, wrong = gyro_free(point), gyro_free(point, MUTANTS[name])
         assert np.abs(right["torque_B"] - wrong["torque_B"]).max() > 1e-4
 
 
 def test_the_other_lyapunov_equation_gives_another_p() -> None:
     """Am P + P Am^T = -Q would go unnoticed with the diagonal Am of the text."""
-    p = points("GyroFreeStabilization", 1)[0]
+    p = draw("GyroFreeStabilization", LAWS["GyroFreeStabilization"], 1)[0]
     difference = ref.lyapunov_solution(p["A_m"], p["Q"]) - ref.lyapunov_solution(p["A_m"].T, p["Q"])
     assert np.abs(difference).max() > 0.1
 
@@ -214,7 +163,7 @@ def test_declared_dependencies_are_those_of_the_directional_derivatives(name: st
     knowns += [d.variable.derivative for d in description.derivatives]
     unknowns = [*description.outputs, *description.derivatives]
     largest = np.zeros((len(knowns), len(unknowns)))
-    for point, at_sample in product(points(name, 4), (True, False)):
+    for point, at_sample in product(draw(name, LAWS[name], 4), (True, False)):
         start = {**point, "filter_at_rest": 1} if "filter_at_rest" in point else point
         with opened(name, 2, start, co_simulation=at_sample) as component:
             references = [u.variable.valueReference for u in unknowns]
@@ -234,7 +183,7 @@ def test_declared_dependencies_are_those_of_the_directional_derivatives(name: st
 @pytest.mark.parametrize("co_simulation", [False, True])
 @pytest.mark.parametrize("version", VERSIONS)
 def test_the_filter_starts_at_rest_from_the_first_measurement(version: int, co_simulation: bool) -> None:
-    for point in points("GyroFreeStabilization", 3):
+    for point in draw("GyroFreeStabilization", LAWS["GyroFreeStabilization"], 3):
         start = {**point, "filter_at_rest": 1, "z_moved": np.zeros(3)}
         y_r = ref.seen(point["q_RN"], point["directions_N"])
         expected = ref.resting_filter(gains(point), point["directions_B"], y_r)
@@ -248,7 +197,7 @@ def test_the_filter_starts_at_rest_from_the_first_measurement(version: int, co_s
                 component.fmu.doStep(0.0, 0.01)
             else:
                 component.at(5.0)
-            component.set({"directions_B": points("VectorPd", 1)[0]["directions_B"]})
+            component.set({"directions_B": draw("VectorPd", LAWS["VectorPd"], 1)[0]["directions_B"]})
             np.testing.assert_allclose(component.get("z_start"), expected, rtol=1e-11)  # set once
 
 

@@ -11,9 +11,9 @@ from scipy.stats import kstest
 from orchestration import System, run
 from orchestration.instance import CallFailed
 
+from .at_points import quaternion
 from .fmu_access import VERSIONS, Component
 from .reference import Array, rotation
-from .test_components import quaternion
 
 PERIOD = 0.05
 Draw = Callable[[np.random.Generator], dict[str, Any]]

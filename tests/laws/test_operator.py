@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
+from .at_points import Point, opened, quaternion
 from .fmu_access import VERSIONS
 from .reference import Array, rate_along
-from .test_components import Point, opened, quaternion
 
 POINTS = 20
 

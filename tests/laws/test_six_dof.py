@@ -17,13 +17,22 @@ from studies.six_dof.settings import Start
 
 from . import six_dof_reference as ref
 from . import velocity_free_reference as orbit
+from .at_points import (
+    POINTS,
+    Law,
+    Point,
+    compare,
+    draw,
+    inertia,
+    opened,
+    quaternion,
+    slopes,
+    unknowns,
+)
 from .fmu_access import VERSIONS
 from .reference import Array, kinematics, rate_along, rotation, skew
 from .six_dof_reference import Loop, S
-from .test_components import Law, Point, change, directions, inertia, opened, quaternion, tunable
 from .velocity_free_reference import E
-
-POINTS = 20
 
 
 def place(rng: np.random.Generator) -> Array:
@@ -121,11 +130,6 @@ LAWS = {
 ROUNDING_OF_POSITIONS = 1e-16 * 7e6
 
 
-def points(name: str, n: int = POINTS) -> list[Point]:
-    rng = np.random.default_rng(list(name.encode()))
-    return [{k: np.asarray(v) for k, v in LAWS[name].draw(rng).items()} for _ in range(n)]
-
-
 def tolerance(name: str, expected: Array, point: Point) -> float:
     """1e-12 of the size of a result, and what the rounding of positions becomes in it."""
     size = float(np.abs(expected).max()) if name == "SixDofBody" else max(1.0, float(np.abs(expected).max()))
@@ -144,44 +148,34 @@ def tolerance(name: str, expected: Array, point: Point) -> float:
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("name", LAWS)
 def test_outputs_and_derivatives(name: str, version: int) -> None:
-    law = LAWS[name]
-    for point in points(name):
+    for point in draw(name, LAWS[name]):
+
+        def close(ours: Any, expected: Any, variable: str, point: Point = point) -> None:
+            atol = tolerance(name, np.asarray(expected), point)
+            np.testing.assert_allclose(ours, expected, rtol=0, atol=atol, err_msg=variable)
+
         with opened(name, version, point) as component:
-            outputs, rates = law.outputs(point), law.rates(point)
-            derivatives = component.derivatives()
-            assert set(outputs) == set(component.names("output"))
-            assert set(derivatives) == set(rates)
-            pairs = [(n, component.get(n), x) for n, x in outputs.items()]
-            for variable, ours, expected in pairs + [(n, derivatives[n], x) for n, x in rates.items()]:
-                atol = tolerance(name, np.asarray(expected), point)
-                np.testing.assert_allclose(ours, expected, rtol=0, atol=atol, err_msg=variable)
+            compare(component, LAWS[name], point, close)
 
 
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("name", LAWS)
 def test_directional_derivatives(name: str, version: int) -> None:
     """Against central differences of sixth order, relative to the size of what is differentiated."""
-    for point in points(name, 2):
+
+    def steps(known: str, value: Array) -> tuple[float, float] | None:
+        if known.startswith("max_"):
+            return None  # 0 is a switch
+        return 100.0 if known.startswith("r_") and name != "SixDofBody" else max(np.abs(value).max(), 1e-3), 1e-3
+
+    for point in draw(name, LAWS[name], 2):
         with opened(name, version, point) as component:
-            unknowns = component.names("output") + [f"der({s})" for s in component.states]
-            values = [np.ravel(component.get(u)) for u in unknowns]
+            values = [np.ravel(component.get(u)) for u in unknowns(component)]
             scale = np.concatenate([np.full(v.size, max(1e-6, np.abs(v).max())) for v in values])
-            for known in component.names("input") + component.states + tunable(component):
-                value = point[known]
-                if known.startswith("max_"):
-                    continue  # 0 is a switch
-                size = 100.0 if known.startswith("r_") and name != "SixDofBody" else max(np.abs(value).max(), 1e-3)
-
-                def evaluate(_: float, x: Array, known: str = known) -> Array:
-                    change(component, point, known, x)  # noqa: B023
-                    return np.concatenate([np.ravel(component.get(u)) for u in unknowns])  # noqa: B023
-
-                for direction in directions(known, value):
-                    analytic = component.directional(unknowns, known, direction * size) / scale
-                    numeric = rate_along(evaluate, 0.0, value, direction * size, h=1e-3) / scale
-                    change(component, point, known, value)
-                    bound = 1e-7 * max(1.0, np.abs(analytic).max())
-                    np.testing.assert_allclose(analytic, numeric, rtol=0, atol=bound, err_msg=f"by {known}")
+            for known, by_law, by_differences in slopes(component, point, steps=steps):
+                analytic, numeric = by_law / scale, by_differences / scale
+                bound = 1e-7 * max(1.0, np.abs(analytic).max())
+                np.testing.assert_allclose(analytic, numeric, rtol=0, atol=bound, err_msg=f"by {known}")
 
 
 def test_gravity_of_the_extended_body_is_that_of_point_masses() -> None:

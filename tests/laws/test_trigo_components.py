@@ -14,11 +14,20 @@ from orchestration import System, run
 from orchestration.instance import CallFailed
 
 from . import trigo_reference as ref
+from .at_points import (
+    Law,
+    Point,
+    compare,
+    directions,
+    draw,
+    inertia,
+    opened,
+    quaternion,
+    slopes,
+)
 from .fmu_access import VERSIONS, Component, array_name, unpacked
 from .reference import Array, body_acceleration, kinematics, rate_along, rotation
-from .test_components import Law, Point, change, directions, inertia, opened, quaternion, tunable
 
-POINTS = 20
 PERIOD = 0.25
 
 
@@ -222,54 +231,31 @@ LAWS = {
 }
 
 
-def points(name: str, n: int = POINTS) -> list[Point]:
-    rng = np.random.default_rng(list(name.encode()))
-    return [{k: np.asarray(v) for k, v in LAWS[name].draw(rng).items()} for _ in range(n)]
+def of_size(ours: Any, expected: Any, variable: str) -> None:
+    scale = max(1.0, float(np.abs(expected).max()))
+    np.testing.assert_allclose(ours, expected, rtol=0, atol=1e-12 * scale, err_msg=variable)
 
 
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("name", LAWS)
 def test_outputs_and_derivatives(name: str, version: int) -> None:
-    law = LAWS[name]
-    for point in points(name):
+    for point in draw(name, LAWS[name]):
         with opened(name, version, point) as component:
-            outputs = law.outputs(point)
-            assert set(outputs) == set(component.names("output"))
-            for variable, expected in outputs.items():
-                scale = max(1.0, float(np.abs(expected).max()))
-                np.testing.assert_allclose(
-                    component.get(variable), expected, rtol=0, atol=1e-12 * scale, err_msg=variable
-                )
-            rates, derivatives = law.rates(point), component.derivatives()
-            assert set(derivatives) == set(rates)
-            for state, expected in rates.items():
-                scale = max(1.0, float(np.abs(expected).max()))
-                np.testing.assert_allclose(derivatives[state], expected, rtol=0, atol=1e-12 * scale, err_msg=state)
+            compare(component, LAWS[name], point, of_size)
 
 
 def symmetric_directions(name: str, value: Array) -> list[Array]:
-    return directions("J_B" if name in ("J_B", "J0_B") else name, value)
+    return directions(name, value, inertias=("J_B", "J0_B"))
 
 
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("name", LAWS)
 def test_directional_derivatives(name: str, version: int) -> None:
     """Against central differences of sixth order, for every input, state and tunable parameter."""
-    for point in points(name, 2):
+    for point in draw(name, LAWS[name], 2):
         with opened(name, version, point) as component:
-            unknowns = component.names("output") + [f"der({s})" for s in component.states]
-            for known in component.names("input") + component.states + tunable(component):
-                value = point[known]
-
-                def evaluate(_: float, x: Array, known: str = known) -> Array:
-                    change(component, point, known, x)  # noqa: B023
-                    return np.concatenate([component.get(u).ravel() for u in unknowns])  # noqa: B023
-
-                for direction in symmetric_directions(known, value):
-                    analytic = component.directional(unknowns, known, direction)
-                    numeric = rate_along(evaluate, 0.0, value, direction, h=2e-4)
-                    change(component, point, known, value)
-                    np.testing.assert_allclose(analytic, numeric, rtol=1e-8, atol=2e-8, err_msg=f"by {known}")
+            for known, analytic, numeric in slopes(component, point, symmetric_directions):
+                np.testing.assert_allclose(analytic, numeric, rtol=1e-8, atol=2e-8, err_msg=f"by {known}")
 
 
 # --- sampled laws: random inputs at each instant, all outputs against a recursion -------------------------------------

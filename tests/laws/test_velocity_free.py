@@ -16,12 +16,22 @@ from studies.velocity_free import systems
 from studies.velocity_free.settings import DRAG_AND_OBLATENESS, ORBIT, Uncertainty
 
 from . import velocity_free_reference as ref
+from .at_points import (
+    POINTS,
+    Law,
+    Point,
+    compare,
+    draw,
+    inertia,
+    opened,
+    quaternion,
+    slopes,
+    to_1e_12,
+    unknowns,
+)
 from .fmu_access import VERSIONS, Component
 from .reference import Array, body_acceleration, error, kinematics, rate_along, rotation, skew
-from .test_components import Law, Point, change, directions, inertia, opened, quaternion, tunable
 from .velocity_free_reference import INERTIA, Loop
-
-POINTS = 20
 
 
 def orbit_point(rng: np.random.Generator) -> Point:
@@ -92,55 +102,35 @@ SCALES = {"r_ON_N": 1e7, "v_ON_N": 1e4, "altitude": 1e7}
 """Of quantities that cancel or pass through zero: what 1e-12 is relative to."""
 
 
-def points(name: str, n: int = POINTS) -> list[Point]:
-    rng = np.random.default_rng(list(name.encode()))
-    return [{k: np.asarray(v) for k, v in LAWS[name].draw(rng).items()} for _ in range(n)]
+def of_size(ours: Any, expected: Any, variable: str) -> None:
+    scale = SCALES.get(variable, max(1e-3, float(np.abs(expected).max())))
+    np.testing.assert_allclose(ours, expected, rtol=0, atol=1e-12 * scale, err_msg=variable)
 
 
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("name", LAWS)
 def test_outputs_and_derivatives(name: str, version: int) -> None:
-    law = LAWS[name]
-    for point in points(name):
+    for point in draw(name, LAWS[name]):
         with opened(name, version, point) as component:
-            outputs = law.outputs(point)
-            assert set(outputs) == set(component.names("output"))
-            for variable, expected in outputs.items():
-                scale = SCALES.get(variable, max(1e-3, float(np.abs(expected).max())))
-                np.testing.assert_allclose(component.get(variable), expected, rtol=0, atol=1e-12 * scale)
-            derivatives = component.derivatives()
-            rates = law.rates(point)
-            assert set(derivatives) == set(rates)
-            for state, expected in rates.items():
-                np.testing.assert_allclose(derivatives[state], expected, rtol=1e-12, atol=1e-12, err_msg=state)
+            compare(component, LAWS[name], point, of_size, to_1e_12)
 
 
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("name", LAWS)
 def test_directional_derivatives(name: str, version: int) -> None:
     """Against central differences of sixth order, relative to the size of what is differentiated."""
-    for point in points(name, 3):
+    for point in draw(name, LAWS[name], 3):
         with opened(name, version, point) as component:
-            unknowns = component.names("output") + [f"der({s})" for s in component.states]
-            scale = np.concatenate([np.full(component.get(u).size, np.abs(component.get(u)).max()) for u in unknowns])
-            for known in component.names("input") + component.states + tunable(component):
-                value = point[known]
-                size = np.abs(value).max()  # metres and kilograms per cubic metre need steps of their own size
-
-                def evaluate(_: float, x: Array, known: str = known) -> Array:
-                    change(component, point, known, x)  # noqa: B023
-                    return np.concatenate([component.get(u).ravel() for u in unknowns])  # noqa: B023
-
-                for direction in directions(known, value):
-                    analytic = component.directional(unknowns, known, direction * size) / scale
-                    numeric = rate_along(evaluate, 0.0, value, direction * size, h=1e-3) / scale
-                    change(component, point, known, value)
-                    np.testing.assert_allclose(analytic, numeric, rtol=1e-8, atol=1e-8, err_msg=f"by {known}")
+            values = [component.get(u) for u in unknowns(component)]
+            scale = np.concatenate([np.full(v.size, np.abs(v).max()) for v in values])
+            # metres and kilograms per cubic metre need steps of their own size
+            for known, analytic, numeric in slopes(component, point, steps=lambda _, x: (np.abs(x).max(), 1e-3)):
+                np.testing.assert_allclose(analytic / scale, numeric / scale, 1e-8, 1e-8, err_msg=f"by {known}")
 
 
 def test_the_orbit_obeys_newton_and_keeps_its_energy() -> None:
     """Differences of the closed form: r' = v, v' = -mu r / |r|^3; and after one period it is where it was."""
-    for point in points("KeplerOrbit", 3):
+    for point in draw("KeplerOrbit", LAWS["KeplerOrbit"], 3):
         mu, a, t0 = float(point["mu"]), float(point["semi_major_axis"]), float(point["time"])
         with opened("KeplerOrbit", 2, point) as orbit:
 

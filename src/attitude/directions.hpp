@@ -15,7 +15,6 @@ using Weights = Eigen::Matrix<T, n_directions, 1>;
 /// Directions known in N, of any length, as unit vectors in B: row j is C_BN x_j / |x_j|.
 template <class T>
 Directions<T> seen(const Mat3<T>& C_BN, const Directions<T>& x_N) {
-    using std::sqrt;
     Directions<T> y_B;
     for (int j = 0; j < n_directions; ++j) {
         const Vec3<T> x = x_N.row(j);

@@ -1,7 +1,6 @@
 // Random numbers as a pure function of (seed, draw): nothing to save, the same on every platform.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 
 #include "attitude/eigen.hpp"
@@ -23,7 +22,7 @@ public:
             const double y = 2.0 * uniform() - 1.0;
             const double s = x * x + y * y;
             if (s < 1.0) {
-                const double r = 2.0 * std::sqrt(1.0 - s);
+                const double r = 2.0 * sqrt(1.0 - s);
                 return {x * r, y * r, 1.0 - 2.0 * s};
             }
         }

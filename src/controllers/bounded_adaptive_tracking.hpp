@@ -138,7 +138,6 @@ struct BoundedAdaptiveTracking {
     /// sqrt(5/3) is the largest norm of a symmetric matrix whose six elements have norm 1: 1 on and 2 off the diagonal,
     /// scaled.
     const char* validate() const {
-        using std::sqrt;
         const T reach = sqrt(5.0 / 3.0 * (1.0 + epsilon_p)) * eta_p;
         // lambda_min(P*) > reach, that is, 1 / reach - J_B is positive definite: its leading minors are positive
         const Mat3<T> M = Mat3<T>::Identity() / reach - J_B;

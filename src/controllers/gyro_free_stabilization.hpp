@@ -105,7 +105,8 @@ struct GyroFreeStabilization {
 
     const char* validate() const {
         if (!hurwitz(A_m)) return "A_m is not Hurwitz: all its eigenvalues must have negative real parts";
-        if (!(std::abs(B.determinant()) > 1e-9 * std::pow(B.norm(), 3))) return "B is singular: it must be invertible";
+        const double size = B.norm();
+        if (!(abs(B.determinant()) > 1e-9 * size * size * size)) return "B is singular: it must be invertible";
         if (!positive_definite(Q))
             return "Q is not positive definite: a symmetric matrix of positive eigenvalues is expected";
         return attitude_fault(directions_N, weights);

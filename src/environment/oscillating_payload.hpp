@@ -69,7 +69,6 @@ struct OscillatingPayload {
     SampleTimes sample_times() const { return {value_of(period), 0.0}; }
     void sample(std::int64_t /*k*/) { held_torque_B = torque(); }
     void outputs() {
-        using std::sin;
         angle = amplitude * sin(6.2831853071795865 / swing_period * time);
         torque_B = period > 0.0 ? held_torque_B : torque();
     }
@@ -80,19 +79,19 @@ struct OscillatingPayload {
 
 private:
     static Mat3<T> turn(int axis, const T& angle) {
-        using std::cos, std::sin;
         const int i = (axis + 1) % 3, j = (axis + 2) % 3;
         Mat3<T> R = Mat3<T>::Identity();
-        R(i, i) = R(j, j) = cos(angle);
-        R(i, j) = sin(angle);
-        R(j, i) = -sin(angle);
+        const auto [s, c] = sincos(angle);
+        R(i, i) = R(j, j) = c;
+        R(i, j) = s;
+        R(j, i) = -s;
         return R;
     }
 
     Vec3<T> torque() const {
-        using std::cos, std::sin;
         const T frequency = 6.2831853071795865 / swing_period, phase = frequency * time;
-        const T theta = amplitude * sin(phase), thetaDot = amplitude * frequency * cos(phase);
+        const auto [s, c] = sincos(phase);
+        const T theta = amplitude * s, thetaDot = amplitude * frequency * c;
         const T thetaDDot = -frequency * frequency * theta;
         const Mat3<T> C_BP = (turn(0, euler[0]) * turn(1, euler[1]) * turn(2, euler[2])).transpose();
         const Vec3<T> a = C_BP.col(2);

@@ -58,7 +58,6 @@ struct SpinningWheel {
 
 private:
     Vec3<T> spin(const T& rate) const {
-        using std::sqrt;
         const Vec3<T> a = axis / sqrt(axis.dot(axis));
         return rate * (inertia * a + J_offset_B * a);
     }

@@ -109,7 +109,6 @@ private:
 
     /// Low-pass of a ramp that ends at `angle`: of one that starts at t_0, less one that starts where it ends.
     void smoothed_ramp(T& value, T& rate) const {
-        using std::exp;
         value = rate = 0.0;
         for (const double sign : {1.0, -1.0}) {
             const T since = time - slew_start - (sign > 0.0 ? T(0.0) : angle / slew_rate);
@@ -122,23 +121,19 @@ private:
     }
 
     void scan(const T& now, T& value, T& rate) const {
-        using std::cos, std::sin;
         if (now < scan_start - 1e-9 * scan_period) return;
         const T frequency = 6.2831853071795865 / scan_period;
-        value = angle * cos(frequency * (now - scan_start));
-        rate = -frequency * angle * sin(frequency * (now - scan_start));
+        const auto [s, c] = sincos(frequency * (now - scan_start));
+        value = angle * c;
+        rate = -frequency * angle * s;
     }
 
-    Vec3<T> direction() const {
-        using std::sqrt;
-        return axis / sqrt(axis.dot(axis));
-    }
+    Vec3<T> direction() const { return axis / sqrt(axis.dot(axis)); }
     Vec3<T> mrp(const T& turn) const {
-        using std::cos, std::sin;
-        return sin(0.25 * turn) / cos(0.25 * turn) * direction();
+        const auto [s, c] = sincos(0.25 * turn);
+        return s / c * direction();
     }
     Vec3<T> mrpDot(const T& turn, const T& turnDot) const {
-        using std::cos;
         const T c = cos(0.25 * turn);
         return 0.25 * turnDot / (c * c) * direction();
     }

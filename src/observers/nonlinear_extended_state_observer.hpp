@@ -119,7 +119,6 @@ struct NonlinearExtendedStateObserver {
 
 private:
     static Vec3<T> fal(const Vec3<T>& e, const T& alpha, const T& delta) {  // (8.42)
-        using std::abs, std::exp, std::log;
         Vec3<T> gained;
         for (int i = 0; i < 3; ++i) {
             const T size = abs(e[i]), base = size > delta ? size : delta;

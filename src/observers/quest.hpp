@@ -129,7 +129,6 @@ private:
     }
 
     static Quat<T> optimal(const Mat3<T>& D, const T& lambda) {
-        using std::sqrt;
         int best = 0;  // 0: N itself; i: N turned by 180 deg about axis i
         T largest = Terms(D).gamma(lambda);
         for (int i = 1; i <= 3; ++i) {

@@ -75,12 +75,12 @@ private:
     /// Whether the error keeps its bound if it turns with this rate until the next draw. In between q_EB[0] is concave, so
     /// it is enough to look at the end.
     bool stays_within(const Vec3<T>& rate) const {
-        using std::sqrt, std::sin, std::cos;
         const T size = sqrt(rate.dot(rate));
         if (!(size > 0.0) || !(error_bound < 1.0)) return true;
         const T half = 0.5 * size * hold_time;
         const Vec3<T> v = vec(q_EB);
-        const Vec3<T> end = cos(half) * v + sin(half) / size * Vec3<T>(q_EB[0] * rate + v.cross(rate));
+        const auto [s, c] = sincos(half);
+        const Vec3<T> end = c * v + s / size * Vec3<T>(q_EB[0] * rate + v.cross(rate));
         return end.dot(end) <= error_bound * error_bound;
     }
 };

@@ -49,7 +49,6 @@ struct StarTracker {
     SampleTimes sample_times() const { return {value_of(half_angle) > 0.0 ? value_of(redraw_period) : 0.0, 0.0}; }
 
     void sample(std::int64_t k) {
-        using std::sin;
         Random random(static_cast<std::uint64_t>(seed), static_cast<std::uint64_t>(k));
         const T s = sin(0.5 * half_angle);
         tilt_versine = random.uniform() * 2.0 * s * s;  // 1 - cos(alpha) without cancellation

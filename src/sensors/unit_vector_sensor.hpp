@@ -59,7 +59,6 @@ struct UnitVectorSensor {
     SampleTimes sample_times() const { return {value_of(half_angle) > 0.0 ? value_of(redraw_period) : 0.0, 0.0}; }
 
     void sample(std::int64_t k) {
-        using std::exp, std::log, std::sin;
         Random random(static_cast<std::uint64_t>(seed), static_cast<std::uint64_t>(k));
         const T s = sin(0.5 * half_angle);
         const T variance = spread * spread * half_angle * half_angle;

@@ -250,7 +250,8 @@ private:
 
 }  // namespace detail
 
-template <template <class> class C>
+/// A component as a model; without its derivatives it compiles in half the time.
+template <template <class> class C, bool differentiable = detail::is_differentiable<C<double>>>
 class ModelOf final : public Model {
 public:
     explicit ModelOf(const char* name) : name_(name), bound_(table_) {}
@@ -277,7 +278,7 @@ public:
     }
     bool differentiate(const Directional* knowns, std::size_t n_knowns, Directional* unknowns, std::size_t n_unknowns,
                        bool sampling, std::int64_t k) override {
-        if constexpr (detail::is_differentiable<C<double>>) {
+        if constexpr (differentiable) {
             dual_.load(table_);
             for (std::size_t i = 0; i < n_knowns; ++i) dual_.scalar(knowns[i].vr).tangent += knowns[i].value;
             dual_.evaluate(sampling, k);
@@ -292,7 +293,7 @@ private:
     struct Nothing {};
     const char* name_;
     detail::Bound<C, double> bound_;
-    std::conditional_t<detail::is_differentiable<C<double>>, detail::Shadow<C, Dual>, Nothing> dual_;
+    std::conditional_t<differentiable, detail::Shadow<C, Dual>, Nothing> dual_;
 };
 
 }  // namespace adcs

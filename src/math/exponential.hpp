@@ -1,4 +1,4 @@
-// exp, within 0.6 ulp: x = k ln 2 + r, and e^x = 2^k e^r, with |r| at most half of ln 2.
+// exp: x = k ln 2 + r, and e^x = 2^k e^r, with |r| at most half of ln 2.
 #pragma once
 
 #include "math/double_double.hpp"

@@ -9,7 +9,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "math/contraction.hpp"
+#include "math/compiler.hpp"
 
 namespace adcs::math {
 

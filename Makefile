@@ -63,6 +63,7 @@ sanitize: $(VENV)/installed-dev
 bench: $(VENV)/installed-dev
 	$(BIN)/adcs build
 	$(BIN)/python -m benchmarks
+	$(BIN)/python -m benchmarks.elementary
 	$(BIN)/python -m benchmarks.ring
 	$(BIN)/python -m benchmarks.backstepping
 	$(BIN)/python -m benchmarks.lockstep

@@ -11,11 +11,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import program
+import digest_program
 
 from fmus.toolchain import TARGETS
 
-TARGET = {target.name: target for target in (*TARGETS, program.WASM)}
+TARGET = {target.name: target for target in (*TARGETS, digest_program.WASM)}
 HASWELL = ("fma", "avx2", "bmi2")  # what -march=haswell needs of the processor, as /proc/cpuinfo names it
 
 _NODE = """
@@ -84,12 +84,12 @@ def processor_features() -> set[str]:
 
 def toolchain(target: str) -> Callable[[Path], Path]:
     """Made as the FMUs are."""
-    return lambda _folder: program.made_by_toolchain(TARGET[target])
+    return lambda _folder: digest_program.made_by_toolchain(TARGET[target])
 
 
 def gcc(*flags: str) -> Callable[[Path], Path]:
     """Made by the system's compiler, with nothing said about contraction: what a user may well do."""
-    return lambda folder: program.made_by(("g++", *flags), folder)
+    return lambda folder: digest_program.made_by(("g++", *flags), folder)
 
 
 FMA_HIDDEN = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX2_Usable,-FMA_Usable"}

@@ -10,9 +10,10 @@ from fmus import catalog
 from fmus.build import ADAPTOR
 from fmus.catalog import Component
 from fmus.paths import BUILD, EIGEN, FMI_HEADERS, SOURCES
-from fmus.toolchain import Target, compile_step, program_step, run_steps, write_atomically
+from fmus.toolchain import Target, compile_step, host, program_step, run_steps, write_atomically
 
 HERE = Path(__file__).parent
+WORK = BUILD / "digest"
 PARTS = 8  # translation units that share the components: few, because each reads Eigen; not one, because of processors
 
 WASM = Target("wasm32-wasi", "wasm32-wasi", "", ".wasm")
@@ -33,27 +34,30 @@ def sources(folder: Path) -> list[Path]:
 
 def made_by_toolchain(target: Target) -> Path:
     """The program for a target, compiled like the FMUs; what is up to date stays."""
-    work = BUILD / "digest"
-    steps = [
-        compile_step(source, work / target.name / f"{source.stem}.o", target, f"-I{HERE}")
-        for source in sources(work / "sources")
-    ]
+    return _made("digest", sources(WORK / "sources"), target)
+
+
+def small_program(source: Path) -> Path:
+    """A program of one file, for this machine."""
+    return _made(source.stem, [source], host())
+
+
+def _made(name: str, files: Sequence[Path], target: Target) -> Path:
+    folder = WORK / target.name
+    steps = [compile_step(file, folder / f"{file.stem}.o", target, f"-I{HERE}") for file in files]
     run_steps(steps)
     suffix = {"x86_64-windows": ".exe", WASM.name: ".wasm"}.get(target.name, "")
-    program = program_step([s.output for s in steps], work / target.name / f"digest{suffix}", target)
+    program = program_step([step.output for step in steps], folder / f"{name}{suffix}", target)
     run_steps([program])
     return program.output
 
 
-def made_by(compiler: Sequence[str], folder: Path, include: Path | None = None) -> Path:
-    """The program, made by another compiler, from the sources at `include` or from those here."""
-    include = include or SOURCES
+def made_by(compiler: Sequence[str], folder: Path) -> Path:
+    """The program, made by another compiler."""
 
     def compiled(source: Path) -> Path:
         output = folder / f"{source.stem}.o"
-        if source.is_relative_to(SOURCES):
-            source = include / source.relative_to(SOURCES)
-        flags = ["-std=c++17", f"-I{include}", f"-I{HERE}", f"-isystem{EIGEN}", f"-isystem{FMI_HEADERS}"]
+        flags = ["-std=c++17", f"-I{SOURCES}", f"-I{HERE}", f"-isystem{EIGEN}", f"-isystem{FMI_HEADERS}"]
         subprocess.run([*compiler, *flags, "-c", source, "-o", output], check=True)
         return output
 

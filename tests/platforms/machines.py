@@ -22,8 +22,8 @@ _NODE = """
 const { readFileSync } = require("fs");
 const { WASI } = require("wasi");
 const wasi = new WASI({ version: "preview1", args: process.argv.slice(1) });
-const module = WebAssembly.instantiate(readFileSync(process.argv[1]), wasi.getImportObject());
-module.then(({ instance }) => wasi.start(instance));
+const made = WebAssembly.instantiate(readFileSync(process.argv[1]), wasi.getImportObject());
+made.then(({ instance }) => wasi.start(instance));
 """
 
 

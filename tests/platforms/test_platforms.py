@@ -114,7 +114,7 @@ def test_sources_in_an_fmu_give_the_same_bits(
 
 
 def test_the_c_library_does_not_compute_the_same_bits(tmp_path: Path) -> None:
-    """So the comparison with FMA hidden from it can fail: it did, for a third of the components that used it."""
+    """So the comparison with FMA hidden from it can fail: it did, for six of the fifteen components that used it."""
     if HERE.missing or "fma" not in processor_features():
         pytest.skip(HERE.missing or "the processor has no FMA")
     libm = digest_program.small_program(Path(__file__).with_name("libm.cpp"))

@@ -26,7 +26,8 @@ class Digest {
 public:
     explicit Digest(bool verbose) : verbose_(verbose) {}
     void add(double x) {
-        const std::uint64_t bits = adcs::math::bits_of(x);
+        // one NaN for all: IEEE 754 leaves its sign to the processor
+        const std::uint64_t bits = adcs::math::bits_of(x == x ? x : std::numeric_limits<double>::quiet_NaN());
         for (int byte = 0; byte < 8; ++byte) hash_ = (hash_ ^ (bits >> 8 * byte & 0xffU)) * 0x100000001b3U;
         ++count_;
         if (verbose_) std::printf(" %016llx", static_cast<unsigned long long>(bits));
@@ -88,7 +89,7 @@ public:
             if (v.causality == Causality::parameter && legal_.between(0.0, 1.0) < changed_) {
                 good = good && (v.type == Type::float64 ? set(v, legal_.parameter(v)) : set_integer(v));
             } else if (v.role == Role::state && changed_ > 0.0) {
-                good = good && set(v, legal_.near(v, LegalValues::start(v), 0.1));
+                good = good && set(v, legal_.around(v, LegalValues::start(v), 0.1));
             }
         }
         return good && library_.enter_initialization(instance_) == fmi2OK && move_inputs() &&
@@ -150,7 +151,7 @@ private:
         for (const Variable& v : table_) {
             if (v.causality != Causality::input || v.type != Type::float64) continue;
             const bool back = legal_.between(0.0, 1.0) < 0.05 || !moved_;
-            const Values x = legal_.near(v, back ? LegalValues::start(v) : Values(&now_[v.vr], v.size), distance_);
+            const Values x = legal_.around(v, back ? LegalValues::start(v) : Values(&now_[v.vr], v.size), distance_);
             for (std::uint32_t e = 0; e < v.size; ++e) now_[v.vr + e] = x[e];
             good = good && set(v, x);
         }

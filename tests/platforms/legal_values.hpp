@@ -33,7 +33,7 @@ public:
     /// The start value times a factor; where there is nothing to scale, something small. Matrices keep their structure.
     Values parameter(const adcs::Variable& v) {
         Values x = start(v);
-        if (v.kind == adcs::Kind::unit_quaternion) return near(v, x, 0.5);
+        if (v.kind == adcs::Kind::unit_quaternion) return around(v, x, 0.5);
         const double factor = between(0.5, 1.5);
         double largest = 0.0;
         for (std::size_t i = 0; i < x.size(); ++i) {
@@ -44,12 +44,12 @@ public:
             const double more = between(0.0, 0.2) * (x[0] + x[4] + x[8]);
             for (std::size_t i = 0; i < 9; i += 4) x[i] += more;
         }
-        if (largest == 0.0 && v.cols == 0) x = near(v, x, 0.3);
+        if (largest == 0.0 && v.cols == 0) x = around(v, x, 0.3);
         return within_bounds(v, x);
     }
 
     /// x moved by so many nominal values at most. What has length 1 keeps it.
-    Values near(const adcs::Variable& v, Values x, double distance) {
+    Values around(const adcs::Variable& v, Values x, double distance) {
         const std::size_t length = v.cols == 0 ? x.size() : v.cols;
         for (std::size_t row = 0; row < x.size(); row += length) {
             const bool unit = length > 1 && adcs::abs(square(x, row, length) - 1.0) < 1e-9;

@@ -10,7 +10,7 @@
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
-#pragma GCC optimize("fp-contract=off")
+#pragma GCC optimize("fp-contract=off", "no-tree-slp-vectorize")  // which fuses in spite of the former (GCC 12)
 #endif
 
 #if defined(__GNUC__)

@@ -15,7 +15,16 @@ enum class Type : std::uint8_t { float64, int32 };
 enum class Causality : std::uint8_t { independent, parameter, input, output, local };
 enum class Variability : std::uint8_t { fixed, tunable, discrete, continuous };
 enum class Role : std::uint8_t { plain, state, derivative, held };
-enum class Kind : std::uint8_t { any, unit_quaternion, inertia };
+/// A condition on a variable as a whole, beyond bounds of its elements; what each means is said in conditions.hpp.
+enum class Kind : std::uint8_t {
+    any,
+    unit_quaternion,
+    unit_vectors,
+    directions,
+    inertia,
+    positive_definite,
+    positive_semidefinite,
+};
 
 struct Variable {
     const char* name;
@@ -61,8 +70,16 @@ public:
     Refine& fixed() { return v_.variability = Variability::fixed, *this; }
     /// Must have norm 1; a start value is normalised.
     Refine& unit_quaternion() { return v_.kind = Kind::unit_quaternion, *this; }
+    /// Each row, or the vector, must have norm 1, as exactly as a quaternion; a start value is normalised.
+    Refine& unit_vectors() { return v_.kind = Kind::unit_vectors, *this; }
+    /// Each row, or the vector, must have a direction: it may have any length but 0.
+    Refine& directions() { return v_.kind = Kind::directions, *this; }
     /// Must be symmetric, positive definite and satisfy the triangle inequality of principal moments.
     Refine& inertia() { return v_.kind = Kind::inertia, *this; }
+    /// Must be symmetric, with positive eigenvalues.
+    Refine& positive_definite() { return v_.kind = Kind::positive_definite, *this; }
+    /// Must be symmetric, without negative eigenvalues.
+    Refine& positive_semidefinite() { return v_.kind = Kind::positive_semidefinite, *this; }
 
 private:
     Variable& v_;

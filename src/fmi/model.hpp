@@ -83,7 +83,11 @@ struct Ignore {
         Refine nominal(double) { return {}; }
         Refine fixed() { return {}; }
         Refine unit_quaternion() { return {}; }
+        Refine unit_vectors() { return {}; }
+        Refine directions() { return {}; }
         Refine inertia() { return {}; }
+        Refine positive_definite() { return {}; }
+        Refine positive_semidefinite() { return {}; }
     };
     template <class... Any>
     void time(Any&&...) {}

@@ -55,7 +55,7 @@ def fmi2(d: Description, source_files: Iterable[str] = ()) -> bytes:
             {
                 "name": v.element_names[i],
                 "valueReference": v.vr + i,
-                "description": v.description,
+                "description": _description(v),
                 "causality": v.causality,
                 "variability": v.variability,
                 "initial": v.initial,
@@ -104,7 +104,7 @@ def fmi3(d: Description) -> bytes:
         attributes = {
             "name": v.name,
             "valueReference": v.vr,
-            "description": v.description,
+            "description": _description(v),
             "causality": v.causality,
             "variability": v.variability,
             "initial": v.initial,
@@ -201,6 +201,11 @@ def _add_unit(units: etree._Element, unit: Unit) -> None:
     )
     for display in unit.display:
         _add(element, "DisplayUnit", {"name": display.name, "factor": display.factor})
+
+
+def _description(v: Variable) -> str:
+    """With what no attribute can say."""
+    return v.description if v.condition is None else f"{v.description} ({v.condition})"
 
 
 def _number_attributes(v: Variable) -> dict[str, object]:

@@ -50,7 +50,10 @@ def _with_switch(system: System, made: Commandable, torque: str) -> tuple[Comman
 
 
 def _with_command(system: System, made: Commandable) -> Commandable:
-    """Between guidance and all that follow it; or directly, where a law has the target as a parameter."""
+    """Between guidance and all that follow it; or directly, where a law has the target as a parameter.
+
+    Of a commanded quaternion and its negative the one nearer to the attitude counts that the law itself is given.
+    """
     sources = {
         part: {c.source for c in system.connections if c.target.endswith(f".{part}") and c.plain and not c.delayed}
         for part, _ in _PARTS
@@ -62,6 +65,12 @@ def _with_command(system: System, made: Commandable) -> Commandable:
             _redirect(system, taken[part], f"{COMMAND}.{selected}")
             system.connect(next(iter(sources[part])), f"{COMMAND}.{part}")
         system.set(f"{COMMAND}.q_CN", [1.0, 0.0, 0.0, 0.0])
+        laws = {c.target.split(".")[0] for c in taken["q_RN"]}
+        attitudes = {c.source for c in system.connections if c.target in {f"{law}.q_BN" for law in laws} and c.plain}
+        if len(attitudes) == 1:
+            system.connect(attitudes.pop(), f"{COMMAND}.q_BN")
+        else:
+            system.set(f"{COMMAND}.q_BN", [1.0, 0.0, 0.0, 0.0])
         system.set(f"{COMMAND}.omega_CN_C", [0.0, 0.0, 0.0])
         point = Pointing(f"{COMMAND}.q_CN", f"{COMMAND}.omega_CN_C", f"{COMMAND}.engaged")
         own = (*made.own_variables, point.attitude, f"{COMMAND}.omega_CN_C", f"{COMMAND}.engaged")

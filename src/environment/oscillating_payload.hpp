@@ -47,12 +47,13 @@ struct OscillatingPayload {
     template <class V>
     void declare(V& v) {
         v.time(time);
-        v.input("sigma_BO", sigma_BO, unit::one, "attitude of B relative to O as MRP");
+        v.input("sigma_BO", sigma_BO, unit::one, "attitude of B relative to O as MRP").at_least(-1).at_most(1);
         v.input("omega_BN_B", omega_BN_B, unit::rad_per_s, "angular velocity of B relative to N, in B").nominal(0.01);
         v.input("torque_control_B", torque_control_B, unit::N_m, "T_c, control torque on the body, in B");
         v.parameter("J0_B", J0_B, unit::kg_m2, "J_0, inertia of the body with the part at angle_0, in B").inertia();
         v.parameter("J_A", J_A, unit::kg_m2,
-                    "principal moments of the part about its own centre; axis 3 is that of the swing");
+                    "principal moments of the part about its own centre; axis 3 is that of the swing")
+            .above(0);
         v.parameter("euler", euler, unit::rad, "theta_1, theta_2, theta_3 that turn B into A', in the order 3-2-1")
             .fixed();
         v.parameter("amplitude", amplitude, unit::rad, "A, amplitude of the swing");
@@ -72,10 +73,6 @@ struct OscillatingPayload {
         using std::sin;
         angle = amplitude * sin(6.2831853071795865 / swing_period * time);
         torque_B = period > 0.0 ? held_torque_B : torque();
-    }
-
-    const char* validate() const {
-        return J_A.minCoeff() > 0.0 ? nullptr : "J_A has an element of 0 or below, but moments of inertia are expected";
     }
 
 private:

@@ -10,11 +10,15 @@
 #endif
 
 #ifdef ADCS_DESCRIBE
-#define ADCS_EXPORT_DESCRIPTION(COMPONENT)                                                                       \
-    adcs::Description adcs::describe_model() {                                                                   \
-        return {COMPONENT<double>::summary, COMPONENT<double>::reference,                                        \
-                adcs::detail::is_differentiable<COMPONENT<double>>, adcs::detail::has_sample<COMPONENT<double>>, \
-                adcs::trace<COMPONENT>()};                                                                       \
+#define ADCS_EXPORT_DESCRIPTION(COMPONENT)                          \
+    adcs::Description adcs::describe_model() {                      \
+        const adcs::Tracer<COMPONENT> traced;                       \
+        return {COMPONENT<double>::summary,                         \
+                COMPONENT<double>::reference,                       \
+                adcs::detail::is_differentiable<COMPONENT<double>>, \
+                adcs::detail::has_sample<COMPONENT<double>>,        \
+                traced.dependencies,                                \
+                traced.at_start};                                   \
     }
 #else
 #define ADCS_EXPORT_DESCRIPTION(COMPONENT)

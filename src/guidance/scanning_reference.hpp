@@ -38,7 +38,7 @@ struct ScanningReference {
     template <class V>
     void declare(V& v) {
         v.time(time);
-        v.parameter("axis", axis, unit::one, "direction of a, the axis of the turn").fixed();
+        v.parameter("axis", axis, unit::one, "direction of a, the axis of the turn").fixed().directions();
         v.parameter("angle", angle, unit::rad, "A, angle of the slew and amplitude of the scan")
             .fixed()
             .at_least(0)
@@ -97,7 +97,6 @@ struct ScanningReference {
     }
 
     const char* validate() const {
-        if (!(axis.dot(axis) > 0.0)) return "axis is [0, 0, 0], but a direction is expected";
         if (!(period > 0.0) && (lag != 0 || difference != 0)) {
             return "lag and difference belong to a sampled reference: give a period above 0, or set both to 0";
         }

@@ -40,7 +40,9 @@ struct UnitVectorSensor {
     template <class V>
     void declare(V& v) {
         v.input("q_BN", q_BN, unit::one, "true attitude of B relative to N").unit_quaternion();
-        v.parameter("directions_N", directions_N, unit::one, "x_j, the directions in N, a row for each").fixed();
+        v.parameter("directions_N", directions_N, unit::one, "x_j, the directions in N, a row for each")
+            .fixed()
+            .directions();
         v.parameter("half_angle", half_angle, unit::rad, "half-angle of the cone around each direction; 0: exact")
             .fixed()
             .at_least(0)
@@ -77,8 +79,6 @@ struct UnitVectorSensor {
             directions_B_meas.row(j) = tilted(y_j, side, tilt_versines[j]);
         }
     }
-
-    const char* validate() const { return direction_fault(directions_N); }
 };
 
 }  // namespace adcs

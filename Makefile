@@ -8,11 +8,11 @@ BIN := $(VENV)/bin
 SOURCES_CXX = $(shell git ls-files '*.hpp' '*.cpp' 'orchestration/engine/*.c' 'orchestration/engine/*.h')
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format fmus check bench sanitize lock clean
+.PHONY: help demo test lint format fmus check bench sanitize fuzz lock clean
 
 help:
 	@sed -n 's/^# \{0,1\}//p' Makefile | head -3
-	@echo "make lint (needs a C++ compiler) | format | fmus (all platforms; COMPONENTS="RigidBody ..." for some) | check | sanitize (needs a C++ compiler) | bench | lock | clean"
+	@echo "make lint (needs a C++ compiler) | format | fmus (all platforms; COMPONENTS="RigidBody ..." for some) | check | sanitize, fuzz (need a C++ compiler) | bench | lock | clean"
 
 $(VENV)/installed: requirements/run.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed, this is " + sys.version.split()[0] + "; try: make PYTHON=python3.12" if sys.version_info < (3, 11) else 0)'
@@ -59,6 +59,12 @@ sanitize: $(VENV)/installed-dev
 	$(BIN)/ctest --preset sanitize
 	$(BIN)/adcs build $(COMPONENTS)
 	$(BIN)/python tests/sanitized.py
+
+# Random calls and damaged saved states against sanitized components: make fuzz TRIES=100000 COMPONENTS="RigidBody Quest".
+TRIES ?= 100000
+fuzz: $(VENV)/installed-dev
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/cmake --preset sanitize -DADCS_COMPONENTS="$(COMPONENTS)" -DADCS_FUZZ_LONG=$(TRIES)
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/cmake --build --preset sanitize --target fuzz
 
 bench: $(VENV)/installed-dev
 	$(BIN)/adcs build

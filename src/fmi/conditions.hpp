@@ -39,7 +39,7 @@ namespace detail {
 
 /// The vectors in a variable: the rows of a matrix, or the whole of it.
 struct Rows {
-    explicit Rows(const Variable& v) : length(v.cols != 0 ? v.cols : v.size), count(v.size / length) {}
+    explicit Rows(const Variable& v) : length(v.cols != 0 ? v.cols : v.size), count(v.cols != 0 ? v.rows : 1) {}
     std::uint32_t length, count;
 };
 
@@ -89,6 +89,17 @@ inline const char* matrix_fault(Kind kind, const double* values) {
 }
 
 }  // namespace detail
+
+/// Whether a variable is of unit vectors, or a unit quaternion: the quick answer for what is set in every step.
+inline bool is_unit(const Variable& v) {
+    if (v.kind != Kind::unit_quaternion && v.kind != Kind::unit_vectors) return false;
+    const detail::Rows rows(v);
+    const auto* x = static_cast<const double*>(v.data);
+    for (std::uint32_t row = 0; row < rows.count; ++row, x += rows.length) {
+        if (!(std::fabs(detail::squared_norm(x, rows.length) - 1.0) <= norm_tolerance)) return false;
+    }
+    return true;
+}
 
 /// Whether the variable meets the condition of its kind; what it says of one that does not goes into `fault`.
 inline bool meets_condition(const Variable& v, char* fault, std::size_t size) {

@@ -153,7 +153,7 @@ Instance::Instance(const char* name, Interface interface, const Log& log, Model*
         const bool early = input || parameter || v.role == Role::state;
         const bool running = input || (parameter && v.variability == Variability::tunable);
         if (input && v.kind != Kind::any) checked_inputs_[checked_input++] = &v;
-        if (v.role == Role::state && v.kind == Kind::unit_quaternion) unit_states_[unit_state++] = &v;
+        if (v.role == Role::state && v.kind == Kind::unit_quaternion) unit_states_[unit_state++] = {&v, state};
         const bool bounded = std::isfinite(v.above) || std::isfinite(v.min) || std::isfinite(v.max);
         const bool plain = input && v.type == Type::float64 && !bounded;
         const unsigned traits = trait_of(v.type) | (computed ? trait_computed : 0U) |
@@ -277,8 +277,8 @@ Status Instance::start_clock() {
 
 /// Whether two sample instants in a row differ at that time; the index of one then has room in a double, and in 64 bits.
 Status Instance::resolves(double time) {
+    if (clock_.period >= 4.5e-16 * std::fabs(time)) return Status::ok;  // quickly: two units in the last place of time
     const double resolution = std::nextafter(std::fabs(time), HUGE_VAL) - std::fabs(time);
-    if (clock_.period >= 2.0 * resolution) return Status::ok;
     return error("at t = %g: the sampling period of %g s is below the resolution of time, which is %.2g s there: %s",
                  time, clock_.period, resolution, "let it start nearer to t = 0, or sample less often");
 }
@@ -296,7 +296,7 @@ const char* Instance::period_name() const {
 /// Whether what lies between two times can be computed in reasonable time.
 Status Instance::fits_budget(double from, double to) {
     const double span = to - from;
-    if (n_states_ != 0 && span / *max_internal_step_ > step_budget) {
+    if (n_states_ != 0 && !(span <= step_budget * *max_internal_step_)) {
         return error(
             "a step of %g s needs %.3g internal steps, at most %g are taken: %s, or raise max_internal_step = %g "
             "to %.2g",
@@ -304,7 +304,7 @@ Status Instance::fits_budget(double from, double to) {
             1.01 * span / step_budget);
     }
     if (!(clock_.period > 0.0)) return Status::ok;
-    if (span / clock_.period > step_budget) {
+    if (!(span <= step_budget * clock_.period)) {
         return error("a step of %g s needs %.3g samples, at most %g are taken: %s, or raise %s = %g to %.2g", span,
                      span / clock_.period, step_budget, "take smaller steps", period_name(), clock_.period,
                      1.01 * span / step_budget);
@@ -523,9 +523,8 @@ Status Instance::check_inputs() {
     if (inputs_checked_) return Status::ok;
     for (std::size_t i = 0; i < n_checked_inputs_; ++i) {
         char fault[320];
-        if (!meets_condition(*checked_inputs_[i], fault, sizeof fault)) {
-            return error("at t = %g: input %s", time_, fault);
-        }
+        if (is_unit(*checked_inputs_[i]) || meets_condition(*checked_inputs_[i], fault, sizeof fault)) continue;
+        return error("at t = %g: input %s", time_, fault);
     }
     inputs_checked_ = true;
     return Status::ok;
@@ -645,7 +644,7 @@ void Instance::commit_sample() {
 // ------------------------------------------------------------------------------------------------- Co-Simulation
 
 void Instance::normalise_states() {
-    for (std::size_t i = 0; i < n_unit_states_; ++i) normalise(*unit_states_[i]);
+    for (std::size_t i = 0; i < n_unit_states_; ++i) normalise(*unit_states_[i].variable);
 }
 
 /// Classical Runge-Kutta of order 4 in equal steps not longer than max_internal_step, quaternions renormalised. Stops
@@ -661,9 +660,11 @@ Status Instance::integrate(double from, double to) {
             normalise_states();
             if (Status status = finite_states_after(from + i * h, h); status != Status::ok) return status;
         }
+        move_to(to);
         watch_spin(h);
+    } else {
+        move_to(to);
     }
-    move_to(to);
     return Status::ok;
 }
 
@@ -682,33 +683,29 @@ Status Instance::finite_states_after(double begin, double h) {
 
 /// Warns of a body that turns so fast that the Runge-Kutta method loses angle, which renormalising hides. By an angle
 /// omega h a quaternion moves by 2 sin(omega h / 4), and the method lags behind by 2 (omega h / 2)^5 / 120 in a step.
-/// A message, and no other status of the step: it did what it was asked for, and tools differ in what they do then.
 void Instance::watch_spin(double h) {
-    if (n_unit_states_ == 0 || spin_reported_) return;
+    if (spin_reported_) return;
     const double bound = 60.0 * spin_error_bound * h;  // of (omega h / 2)^5
-    std::size_t i = 0;
-    for (const Variable& v : table()) {
-        if (v.role != Role::state) continue;
-        if (v.kind == Kind::unit_quaternion) {
-            double square = 0.0;
-            for (std::uint32_t e = 0; e < v.size; ++e) {
-                const double change = floats(v)[e] - before_[i + e];
-                square += change * change;
-            }
-            if (square * square * square * square * square > bound * bound) {
-                const double omega = 4.0 * std::asin(0.5 * std::fmin(std::sqrt(square), 2.0)) / h;
-                const double error = std::pow(0.5 * omega * h, 5) / (60.0 * h);
-                const double smaller = std::pow(1920.0 * spin_error_bound / std::pow(omega, 5), 0.25);
-                spin_reported_ = true;
-                warning(
-                    "at t = %g: %s turns by %.3g deg in an internal step of %g s, which loses about %.2g deg/s: set "
-                    "max_internal_step to %.1g or less",
-                    time_, v.name, 57.295779513082321 * omega * h, h, 57.295779513082321 * error, smaller);
-                return;
-            }
-        }
-        i += v.size;
+    for (std::size_t i = 0; i < n_unit_states_; ++i) {
+        const double* q = floats(*unit_states_[i].variable);
+        const double* before = before_ + unit_states_[i].first;
+        double square = 0.0;
+        for (int e = 0; e < 4; ++e) square += (q[e] - before[e]) * (q[e] - before[e]);
+        if (square * square * square * square * square > bound * bound) return report_spin(i, std::sqrt(square), h);
     }
+}
+
+/// A message, and no other status of the step: it did what it was asked for, and tools differ in what they do then.
+void Instance::report_spin(std::size_t i, double change, double h) {
+    const double omega = 4.0 * std::asin(0.5 * std::fmin(change, 2.0)) / h;
+    const double lost = std::pow(0.5 * omega * h, 5) / (60.0 * h);
+    const double smaller = 0.9 * std::pow(1920.0 * spin_error_bound / std::pow(omega, 5), 0.25);
+    constexpr double degree = 57.295779513082321;
+    spin_reported_ = true;
+    warning(
+        "at t = %g: %s turns by %.3g deg in an internal step of %g s, which loses about %.2g deg/s: set "
+        "max_internal_step to %.2g or less",
+        time_, unit_states_[i].variable->name, degree * omega * h, h, degree * lost, smaller);
 }
 
 Status Instance::do_step(double time, double step) {

@@ -138,6 +138,11 @@ private:
         std::uint32_t array_size;  ///< elements of the array that starts here; 0 inside an array
         unsigned traits;
     };
+    /// A unit quaternion among the states, which begins with the scalar state `first`.
+    struct UnitState {
+        const Variable* variable;
+        std::size_t first;
+    };
     /// A scalar continuous state and its derivative.
     struct State {
         double* x;
@@ -189,6 +194,7 @@ private:
     void copy_held(double* held, bool store);
     Status integrate(double from, double to);
     void watch_spin(double h);
+    void report_spin(std::size_t i, double change, double h);
     void normalise_states();
     void write_states(const double* x);
     void read_states(double* x) const;
@@ -220,11 +226,11 @@ private:
     State* states_;
     const double** outputs_;
     const Variable** checked_inputs_;  ///< inputs with a condition on the whole of them
-    const Variable** unit_states_;     ///< unit quaternions
-    double* held_;                     ///< held values before the pending sample
-    double* before_;                   ///< states at the start of the latest internal step
-    std::byte* backup_;                ///< scratch of restore()
-    double* clock_time_;               ///< time as the component sees it
+    UnitState* unit_states_;
+    double* held_;        ///< held values before the pending sample
+    double* before_;      ///< states at the start of the latest internal step
+    std::byte* backup_;   ///< scratch of restore()
+    double* clock_time_;  ///< time as the component sees it
     const double* max_internal_step_ = nullptr;
 
     Mode mode_ = mode_instantiated;

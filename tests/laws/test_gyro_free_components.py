@@ -360,7 +360,10 @@ REFUSED = [
     ({"weights": [0, 0, 0]}, FEW),
     ({"directions_N": [[1, 2, 3], [2, 4, 6], [-1, -2, -3]]}, COLLINEAR),
     ({"directions_N": [[1, 2, 3], [2, 4, 6.0005], [0, 0, 1]], "weights": [1, 1, 0]}, COLLINEAR),
-    ({"directions_N": [[1, 2, 3], [0, 0, 0], [0, 0, 1]]}, "row 2 of directions_N is [0, 0, 0], but a direction is expected"),
+    (
+        {"directions_N": [[1, 2, 3], [0, 0, 0], [0, 0, 1]]},
+        "row 2 of directions_N is [0, 0, 0], but a direction is expected",
+    ),
     ({"weights": [1, 1, -1]}, "weights[3] = -1 refused: must be at least 0"),
 ]
 FILTER_REFUSED = [

@@ -644,7 +644,12 @@ void Instance::commit_sample() {
 // ------------------------------------------------------------------------------------------------- Co-Simulation
 
 void Instance::normalise_states() {
-    for (std::size_t i = 0; i < n_unit_states_; ++i) normalise(*unit_states_[i].variable);
+    for (std::size_t i = 0; i < n_unit_states_; ++i) {
+        double* q = floats(*unit_states_[i].variable);  // four numbers, as a law's Quat is
+        const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+        if (length == 1.0) continue;
+        for (int e = 0; e < 4; ++e) q[e] /= length;
+    }
 }
 
 /// Classical Runge-Kutta of order 4 in equal steps not longer than max_internal_step, quaternions renormalised. Stops

@@ -279,6 +279,7 @@ Status Instance::start_clock() {
 Status Instance::resolves(double time) {
     if (clock_.period >= 4.5e-16 * std::fabs(time)) return Status::ok;  // quickly: two units in the last place of time
     const double resolution = std::nextafter(std::fabs(time), HUGE_VAL) - std::fabs(time);
+    if (clock_.period >= 2.0 * resolution) return Status::ok;
     return error("at t = %g: the sampling period of %g s is below the resolution of time, which is %.2g s there: %s",
                  time, clock_.period, resolution, "let it start nearer to t = 0, or sample less often");
 }

@@ -52,10 +52,10 @@ def test_a_failed_step_ends_at_the_last_sound_internal_step(version: int) -> Non
         assert body.get("time") == reached
         steps = round(reached / 0.01)
         assert reached == pytest.approx(0.01 * steps, abs=1e-12)
-        for name in ("q_BN", "omega_BN_B"):
-            assert np.isfinite(body.get(name)).all()
-        other.step(0.0, reached)
-        assert body.get("q_BN") == pytest.approx(other.get("q_BN"), rel=1e-6)
+        other.step(0.0, reached)  # so far another instance comes without an error
+        assert other.to_bytes(other.save())[64:72] == body.to_bytes(body.save())[64:72]
+        with pytest.raises(FMICallException):
+            other.step(reached, 0.01)
 
 
 @pytest.mark.parametrize("version", VERSIONS)
@@ -75,16 +75,13 @@ def test_a_sample_that_is_not_finite_stays_untaken(version: int) -> None:
         mismatch.step(0.0, 0.35)
 
 
-@pytest.mark.parametrize("version", VERSIONS)
-def test_a_directional_derivative_that_is_not_finite(version: int) -> None:
-    """The size of a force has none at zero."""
-    with Raw("ForceTorqueActuator", version).initialize() as actuator:
-        unknowns, knowns = actuator.references["der(impulse)"], actuator.references["force_command_B"]
-        seed = [1.0] * (3 if version == 3 else 1)
-        known = knowns if version == 3 else knowns[:1]
+def test_a_directional_derivative_that_is_not_finite() -> None:
+    with Raw("RigidBody", 2).initialize(omega_BN_B=[0.0, 0.0, 100.0]) as body:
         with pytest.raises(FMICallException):
-            actuator.fmu.getDirectionalDerivative(unknowns, known, seed)
-        assert "the directional derivative of the derivative of impulse is" in actuator.messages[-1][2]
+            body.fmu.getDirectionalDerivative(
+                body.references["der(omega_BN_B"], body.references["omega_BN_B"], [0.0, 1e308, 0.0]
+            )
+        assert "the directional derivative of the derivative of omega_BN_B[" in body.messages[-1][2]
 
 
 @pytest.mark.parametrize("version", VERSIONS)

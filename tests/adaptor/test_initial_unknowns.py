@@ -48,7 +48,7 @@ def changes(raw: Raw, name: str, variable: str, index: int, base: dict[str, np.n
     elif (v.description or "").endswith(")") and v.dimensions:
         amounts = (3e-3, 1e-10)
     else:
-        amounts = (3e-3,)
+        amounts = (1e-5,)
     for amount in amounts:
         changed = base[variable].copy()
         changed.flat[index] += amount

@@ -5,8 +5,7 @@ import pytest
 
 from orchestration import System, run
 
-from .at_points import opened
-from .fmu_access import VERSIONS
+from .fmu_access import VERSIONS, Component
 from .reference import Array
 
 TILTED = np.array([0.8, 0.6, 0.0, 0.0])
@@ -82,7 +81,7 @@ def test_with_the_choice_both_signs_are_answered_alike(name: str, version: int) 
             answers = []
             for sign in (1, -1):
                 point = {"q_BN": sign * q / np.linalg.norm(q), "short_way": np.array(short_way)}
-                with opened(name, version, point) as component:
+                with Component(name, version, point) as component:
                     outputs = [n for n in component.names("output") if n not in point]
                     answers.append(np.concatenate([component.get(n).ravel() for n in outputs]))
             assert (answers[0].tolist() == answers[1].tolist()) == (short_way == 1)
@@ -97,6 +96,6 @@ def test_six_degrees_of_freedom_answer_both_signs_alike(version: int) -> None:
         answers = []
         for sign in (1, -1):
             point = {"q_BN": sign * q / np.linalg.norm(q), "e_f_eps": sign * e_f, "e_f_R": np.array([0.1, 0.2, 0.3])}
-            with opened("SixDofOutputFeedback", version, point) as component:
+            with Component("SixDofOutputFeedback", version, point) as component:
                 answers.append(np.concatenate([component.get("force_B"), component.get("torque_B")]))
         np.testing.assert_allclose(answers[0], answers[1], rtol=1e-12, atol=1e-12)

@@ -39,7 +39,7 @@ def near(rng: np.random.Generator, name: str, variable: str, start: np.ndarray) 
     if text.endswith(("(unit quaternion)", "(unit vectors)")):
         return start + rng.uniform(-2e-3, 2e-3, start.shape)
     if v.unit == "s":  # periods and bounds on steps: a hundredth of one would take long
-        return np.where(start == 0, 0.05, start) * (1 + 0.3 * rng.uniform())
+        return np.where((start == 0) & (v.causality == "parameter"), 0.05, start) * (1 + 0.3 * rng.uniform())
     value = start + rng.uniform(0.001, 0.01, start.shape) * (1 + np.abs(start))
     return np.minimum(value, np.inf if v.max is None else float(v.max))
 

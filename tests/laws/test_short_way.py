@@ -49,7 +49,7 @@ def test_the_sign_decides_the_way(start: Array, largest: float) -> None:
         q, V = slew(start, short_way)
         assert angle(q).max() == pytest.approx(expected, abs=0.5)
         assert angle(q)[-1] < 0.5
-        assert np.diff(V).max() < 1e-9
+        assert np.diff(V).max() < 1e-8  # the torque is held for 10 ms; a jump would be 0.1 and more
 
 
 def test_the_lyapunov_function_falls_through_the_switch() -> None:

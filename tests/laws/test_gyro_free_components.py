@@ -371,8 +371,8 @@ FILTER_REFUSED = [
     ({"A_m": [[-0.1, 0, 0], [0, 0.05, 1], [0, -1, 0]]}, "A_m is not Hurwitz"),
     ({"A_m": [[0, 1, 0], [0, 0, 1], [-3, -1, -2]]}, "A_m is not Hurwitz"),  # no sign shows it: a b = 2 < c = 3
     ({"B": [[1, 2, 3], [4, 5, 6], [7, 8, 9]]}, "B is singular: it must be invertible"),
-    ({"Q": np.diag([1, 1, -1.0])}, "Q is not positive definite"),
-    ({"Q": [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]}, "Q is not positive definite: a symmetric matrix of positive eigen"),
+    ({"Q": np.diag([1, 1, -1.0])}, "Q = [1 0 0; 0 1 0; 0 0 -1] is not positive definite"),
+    ({"Q": [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]}, "Q = [1 0.5 0; 0 1 0; 0 0 1] is not positive definite"),
 ]
 
 

@@ -644,7 +644,7 @@ BAD = [
     ("BacksteppingControl", {"sigma_RO": [0.0, 0.0, -1.2]}, "sigma_RO"),
     ("BacksteppingControl", {"J0_B": np.diag([1.0, 1.0, 3.0])}, "J0_B"),
     ("TuningFunctionObserver", {"G": np.zeros((3, 3))}, "G = [0 0 0; 0 0 0; 0 0 0] is not positive definite"),
-    ("NonlinearExtendedStateObserver", {"beta_1": -np.eye(3)}, "beta_1 = [-1 0 0; 0 -1 0; 0 0 -1] is not"),
+    ("NonlinearExtendedStateObserver", {"beta_1": -np.eye(3)}, "beta_1 = [-1 -0 -0; -0 -1 -0; -0 -0 -1] is not"),
     ("NonlinearExtendedStateObserver", {"beta_2": np.zeros((3, 3))}, "beta_2 has no positive determinant"),
     ("ImmersionInvarianceObserver", {"gamma": 0.0}, "gamma"),
     ("ScanningReference", {"lag": 1}, "lag and difference belong to a sampled reference"),

@@ -62,6 +62,8 @@ class Variable:
     """For each element the scalar value references it depends on during the run."""
     initial_dependencies: tuple[tuple[int, ...], ...] | None
     """The same during initialisation."""
+    is_seed: bool = False
+    """Whether it is the seed of random draws."""
     min_excluded: bool = False
     """Whether `min` itself is refused, which the XML of neither standard can say."""
 

@@ -13,6 +13,15 @@ from fmus.errors import AdcsError
 from fmus.paths import CHECKOUT
 from fmus.xml import serialised
 
+SEED_TYPE = "adcs.Seed"
+"""The declared type of a seed: it says, to any tool, that components of a kind need different values."""
+
+_SEED = (
+    "Seed of random draws. Components of the same kind with equal seeds have equal noise; other kinds are independent."
+)
+
+_FMI2_TYPES = {"Float64": "Real", "Int32": "Integer"}
+
 DEFAULT_EXPERIMENT = {"startTime": "0", "stopTime": "100", "tolerance": "1e-8", "stepSize": "0.01"}
 
 
@@ -42,7 +51,7 @@ def fmi2(d: Description, source_files: Iterable[str] = ()) -> bytes:
             files = _add(element, "SourceFiles")
             for name in source_files:
                 _add(files, "File", {"name": name})
-    _add_common(root, d)
+    _add_common(root, d, lambda types, name: _add(_add(types, "SimpleType", name), _FMI2_TYPES["Int32"]))
 
     scalars = [(v, i) for v in d.variables for i in range(v.size)]
     index = {v.vr + i: position for position, (v, i) in enumerate(scalars, 1)}
@@ -63,7 +72,7 @@ def fmi2(d: Description, source_files: Iterable[str] = ()) -> bytes:
         )
         _add(
             scalar,
-            {"Float64": "Real", "Int32": "Integer"}[v.type],
+            _FMI2_TYPES[v.type],
             _number_attributes(v)
             | {
                 "start": None if v.start is None else _literal(v, v.start[i]),
@@ -97,7 +106,7 @@ def fmi3(d: Description) -> bytes:
     }
     _add(root, "ModelExchange", flags)
     _add(root, "CoSimulation", flags | {"canHandleVariableCommunicationStepSize": True, "hasEventMode": False})
-    _add_common(root, d)
+    _add_common(root, d, lambda types, name: _add(types, "Int32Type", name))
 
     variables = _add(root, "ModelVariables")
     for v in d.variables:
@@ -181,10 +190,14 @@ def _root(d: Description, fmi_version: str, attributes: Mapping[str, object]) ->
     return root
 
 
-def _add_common(root: etree._Element, d: Description) -> None:
+def _add_common(
+    root: etree._Element, d: Description, add_integer_type: Callable[[etree._Element, dict[str, str]], object]
+) -> None:
     units = _add(root, "UnitDefinitions")
     for unit in d.units:
         _add_unit(units, unit)
+    if any(v.is_seed for v in d.variables):
+        add_integer_type(_add(root, "TypeDefinitions"), {"name": SEED_TYPE, "description": _SEED})
     categories = _add(root, "LogCategories")
     for category in d.log_categories:
         _add(categories, "Category", {"name": category.name, "description": category.description})
@@ -205,6 +218,7 @@ def _add_unit(units: etree._Element, unit: Unit) -> None:
 
 def _number_attributes(v: Variable) -> dict[str, object]:
     return {
+        "declaredType": SEED_TYPE if v.is_seed else None,
         "unit": v.unit,
         "displayUnit": v.display_unit,
         "min": None if v.min is None else _literal(v, v.min),

@@ -14,7 +14,7 @@ namespace adcs {
 enum class Type : std::uint8_t { float64, int32 };
 enum class Causality : std::uint8_t { independent, parameter, input, output, local };
 enum class Variability : std::uint8_t { fixed, tunable, discrete, continuous };
-enum class Role : std::uint8_t { plain, state, derivative, held };
+enum class Role : std::uint8_t { plain, state, derivative, held, seed };
 enum class Kind : std::uint8_t { any, unit_quaternion, inertia };
 
 struct Variable {
@@ -93,6 +93,13 @@ public:
     Refine parameter(const char* name, std::int32_t& x, const char* description) {
         return Refine(append(
             {name, description, &unit::one, &x, 0, 0, 0, 1, Type::int32, Causality::parameter, Variability::tunable}));
+    }
+    /// The seed of what sample() draws from the component's stream. It is declared as such so that whoever puts several
+    /// components of a kind into one system can tell by more than a name which parameter has to differ.
+    Refine seed(const char* name, std::int32_t& x, const char* description) {
+        Refine refine = parameter(name, x, description).fixed().at_least(0);
+        table_.variables[table_.count - 1].role = Role::seed;
+        return refine;
     }
     /// A continuous state, which is an output too, and its time derivative `der(name)`.
     template <class X>

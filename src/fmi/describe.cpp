@@ -138,6 +138,8 @@ void print_variable(const Table& table, const Dependencies& found, const Variabl
     print_field("nominal", v.nominal == 1.0 ? std::nan("") : v.nominal);
     std::snprintf(text, sizeof text, "time derivative of %s", v.name);
     print_field("description", is_derivative ? text : v.description);
+    print_key("is_seed");
+    std::printf(v.role == Role::seed ? "true" : "false");
     print_field("derivative_of", is_derivative ? table.variables[v.derivative_of].vr : std::nan(""));
     print_key("dependencies");
     print_dependencies(table, found, v, false);

@@ -20,9 +20,24 @@
 #define ADCS_EXPORT_DESCRIPTION(COMPONENT)
 #endif
 
-#define ADCS_EXPORT(COMPONENT)                                                                        \
-    adcs::Model* adcs::make_model() {                                                                 \
-        void* memory = std::malloc(sizeof(adcs::ModelOf<adcs::COMPONENT>));                           \
-        return memory == nullptr ? nullptr : new (memory) adcs::ModelOf<adcs::COMPONENT>(#COMPONENT); \
-    }                                                                                                 \
+namespace adcs::detail {
+
+/// Whether a component that draws random numbers draws them under its own name.
+template <class C>
+constexpr bool draws_as([[maybe_unused]] const char* name) {
+    if constexpr (has_stream<C>) {
+        return C::stream.is_of(name);
+    } else {
+        return true;
+    }
+}
+
+}  // namespace adcs::detail
+
+#define ADCS_EXPORT(COMPONENT)                                                                                         \
+    static_assert(adcs::detail::draws_as<adcs::COMPONENT<double>>(#COMPONENT), "stream has another component's name"); \
+    adcs::Model* adcs::make_model() {                                                                                  \
+        void* memory = std::malloc(sizeof(adcs::ModelOf<adcs::COMPONENT>));                                            \
+        return memory == nullptr ? nullptr : new (memory) adcs::ModelOf<adcs::COMPONENT>(#COMPONENT);                  \
+    }                                                                                                                  \
     ADCS_EXPORT_DESCRIPTION(adcs::COMPONENT)

@@ -69,6 +69,10 @@ constexpr bool has_validate = false;
 template <class C>
 constexpr bool has_validate<C, std::void_t<decltype(std::declval<C&>().validate())>> = true;
 template <class C, class = void>
+constexpr bool has_stream = false;
+template <class C>
+constexpr bool has_stream<C, std::void_t<decltype(C::stream)>> = true;
+template <class C, class = void>
 constexpr bool is_differentiable = true;
 template <class C>
 constexpr bool is_differentiable<C, std::void_t<decltype(C::differentiable)>> = C::differentiable;
@@ -97,6 +101,10 @@ struct Ignore {
     }
     template <class... Any>
     Refine parameter(Any&&...) {
+        return {};
+    }
+    template <class... Any>
+    Refine seed(Any&&...) {
         return {};
     }
     template <class... Any>

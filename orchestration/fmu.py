@@ -46,6 +46,7 @@ class Port:
 
     `references` holds one value reference per element in FMI 2 and one per array in FMI 3; elements are row-major.
     `start` is flat, `None` where the FMU gives no value. `type` is the FMI 3 name (`Float64`, `Int32`, `Boolean` ...).
+    `declared_type` names the type definition that the variable refers to, if any.
     An enumeration is an integer with `items`, pairs of name and number. A clock is a Boolean: whether it has ticked
     since the communication point before; a clock that is ticked at known times is local, as no one else may tick it.
     """
@@ -61,6 +62,7 @@ class Port:
     start: tuple[Any, ...] | None
     description: str
     items: tuple[tuple[str, int], ...] = ()
+    declared_type: str | None = None
 
     @property
     def size(self) -> int:
@@ -335,6 +337,7 @@ def _port(name: str, shape: tuple[int, ...], variables: list[ModelVariable], fmi
         start=start,
         description=first.description or "",
         items=_items(first) if first.type == "Enumeration" else (),
+        declared_type=None if first.declaredType is None else first.declaredType.name,
     )
 
 

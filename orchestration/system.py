@@ -13,6 +13,7 @@ import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration.fmu import FmiVersion, Fmu, Port, locate, open_fmu
+from orchestration.seeds import default_seed, seeds_of
 from orchestration.typed_values import binary_values, item_numbers
 from orchestration.units import Scale, conversion
 
@@ -26,7 +27,7 @@ NUMERIC = ("Float", "Int", "UInt", "Boolean")
 
 @dataclass
 class Component:
-    """A named FMU with the start values that were set explicitly (flat, row-major).
+    """A named FMU with the start values that it was given (flat, row-major).
 
     It communicates at every `every`-th exchange step, and its outputs hold in between.
     """
@@ -129,6 +130,10 @@ class System:
         `fmu` is a name in `fmus/dist` or the path of any `.fmu`. `start` maps variables (parameters, inputs, states and
         outputs with a start value) to values of the variable's shape, in the variable's unit. The component
         communicates at every `every`-th exchange step. `/` in a name separates the names of nested systems.
+
+        A seed (an integer of the declared type `adcs.Seed`) that `start` does not give gets one that follows from the
+        component's name, so that no two sensors have the same noise unasked. It is a start value like any other: `set`
+        replaces it, and it is exported. Systems with the same names have the same seeds, and so the same noise.
         """
         if not all(name.split("/")) or "." in name or not name.isprintable():
             raise AdcsError(f"component name {name!r} is not usable: give a name without dots")
@@ -144,6 +149,8 @@ class System:
         component.fmu = component.fmu.configured(component.start)
         values = {variable: _start(name, component.fmu, variable, value) for variable, value in given.items()}
         component.start.update(values)
+        for port in seeds_of(component.fmu.ports.values()):
+            component.start.setdefault(port.name, default_seed(name, port))
         self.components[name] = component
 
     def set(self, name: str, value: Value) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration.fmu import Port, open_fmu
+from orchestration.seeds import seeds_of
 from orchestration.ssp.archive import STRUCTURE, Archive, Home
 from orchestration.ssp.documents import tag, version_of, whole_number
 from orchestration.ssp.experiment import read_experiment
@@ -146,10 +147,13 @@ def _start_values(
 ) -> dict[str, Any]:
     """Return the start values of a component's variables as arrays, without those that a connection overrides.
 
-    An input for which there is neither a connection nor a value keeps the FMU's own, as SSP has it.
+    An input for which there is neither a connection nor a value keeps the FMU's own, as SSP has it; and so does a
+    seed, which a system would otherwise choose: the noise is that of any other tool that reads the file.
     """
     path = part.element.path
     names = dict.fromkeys(place.name for place in given if (path, place.name) not in overridden)
+    for seed in seeds_of(part.fmu.ports.values()):
+        names.setdefault(seed.name)
     reached = {(place.name, place.index) for place in connected}
     for port in part.fmu.ports.values():
         open_ = any((port.name, i) not in reached for i in range(port.size))

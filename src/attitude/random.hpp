@@ -51,8 +51,8 @@ private:
 /// What draws: a component, by its name, or one of the several things that it draws, a channel. Equal seeds in two
 /// components, or in two channels, have nothing to do with each other.
 ///
-/// A component calls its own `stream`, and the build refuses one of another name. It is part of the component rather than
-/// told by whoever makes an FMU of it, so that the same header draws the same wherever it is used.
+/// A component that draws has a member `stream` with its own name; the build refuses another's. The name is not told by
+/// whoever makes an FMU of the component, so that the header draws the same numbers wherever it is used.
 class Stream {
 public:
     constexpr explicit Stream(const char* component) : key_(after(0xcbf29ce484222325U, component)) {}

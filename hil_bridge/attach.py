@@ -118,7 +118,7 @@ class Bridge:
         if self._where is None:
             self._where = _places(simulation, self.signals)
         point = simulation.k - 1
-        t = simulation.start + point * simulation.step
+        t = simulation.grid.time(point)
         self._link.snapshot(Snapshot(point, t, simulation.row[self._where]))
         for note in self._link.received():
             if isinstance(note, dict) and note["what"] == "change" and len(self._waiting) < _MOST_WAITING:
@@ -271,7 +271,7 @@ class Recorder:
         if self._where is None:
             self._where = _places(simulation, self._signals)
         point = simulation.k - 1
-        t = simulation.start + point * simulation.step
+        t = simulation.grid.time(point)
         self._log.point(Snapshot(point, t, simulation.row[self._where]))
         return ()
 

@@ -1,4 +1,4 @@
-"""What fmpy leaves out of a modelDescription.xml of FMI 3.0: clocks, start values of text and binary arrays."""
+"""What fmpy leaves out of a modelDescription.xml: clocks, start values of text and binary arrays, differences."""
 
 from __future__ import annotations
 
@@ -40,11 +40,16 @@ class Clock:
 
 @dataclass(frozen=True)
 class Extras:
-    """`starts`: the texts of String and Binary variables by name; `clocked`: the clocks of variables, by reference."""
+    """What there is to know beside what fmpy knows.
+
+    `starts`: the texts of String and Binary variables by name; `clocked`: the clocks of variables, by reference;
+    `relative`: the names of variables that are differences (relativeQuantity), by themselves or by their type.
+    """
 
     clocks: tuple[Clock, ...] = ()
     clocked: Mapping[int, frozenset[int]] = field(default_factory=dict)
     starts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    relative: frozenset[str] = frozenset()
 
 
 def read_xml(path: Path) -> Any:
@@ -77,6 +82,8 @@ def for_fmpy(path: Path, root: Any) -> str | io.BytesIO:
 
 def read_extras(root: Any) -> Extras:
     """Find them in a description that is known to be valid."""
+    if root.get("fmiVersion") == "2.0":
+        return Extras(relative=_relative(root))
     variables = [element for element in root.find("ModelVariables") if isinstance(element.tag, str)]
     clocked = {}
     starts = {}
@@ -87,7 +94,34 @@ def read_extras(root: Any) -> Extras:
         if texts:
             names = [element.get("name"), *(alias.get("name") for alias in element.findall("Alias"))]
             starts.update(dict.fromkeys(names, texts))
-    return Extras(tuple(_clock(e) for e in variables if e.tag == "Clock"), clocked, starts)
+    return Extras(tuple(_clock(e) for e in variables if e.tag == "Clock"), clocked, starts, _relative(root))
+
+
+def _relative(root: Any) -> frozenset[str]:
+    """Find the variables that are differences; what a variable says of itself counts more than its type."""
+    definitions = root.find("TypeDefinitions")
+    types = {
+        element.get("name"): _says_relative(element)
+        for element in (() if definitions is None else definitions)
+        if isinstance(element.tag, str)
+    }
+    found = set()
+    for element in root.find("ModelVariables"):
+        if isinstance(element.tag, str):
+            own, declared = _says_relative(element), _carrier(element).get("declaredType")
+            if types.get(declared) if own is None else own:
+                found |= {element.get("name"), *(alias.get("name") for alias in element.findall("Alias"))}
+    return frozenset(found)
+
+
+def _carrier(element: Any) -> Any:
+    """Return the element of a variable or type that has the attributes of its kind: in FMI 2 it is inside."""
+    return element[0] if element.tag in ("ScalarVariable", "SimpleType") else element
+
+
+def _says_relative(element: Any) -> bool | None:
+    text = _carrier(element).get("relativeQuantity")
+    return None if text is None else text in ("true", "1")
 
 
 def directional_derivatives(root: Any) -> frozenset[str]:

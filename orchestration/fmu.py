@@ -61,6 +61,8 @@ class Port:
     start: tuple[Any, ...] | None
     description: str
     items: tuple[tuple[str, int], ...] = ()
+    relative: bool = False
+    """Whether it is a difference (relativeQuantity), of temperatures say: the offset of a unit is none of it."""
 
     @property
     def size(self) -> int:
@@ -207,7 +209,7 @@ def _open(path: Path, modified: int, size: int) -> Fmu:
         raise AdcsError(f"{path} is not valid: {_one_line(error.problems[0])}") from error
     except Exception as error:  # of zipfile, zlib, lxml or fmpy
         raise AdcsError(f"cannot read modelDescription.xml of {path} ({_one_line(error)}): {_AGAIN}") from error
-    extras = read_extras(xml) if model.fmiMajorVersion == 3 else Extras()
+    extras = read_extras(xml)
     try:
         ports, node_of = _unite(model, extras)
     except ValueError as error:
@@ -288,7 +290,7 @@ def _unite(model: ModelDescription, extras: Extras) -> tuple[dict[str, Port], di
     ports: dict[str, Port] = {}
     node_of: dict[str, str] = {}
     for base, members in groups.items():
-        shape = members[0].shape if not fmi2 else _shape(members)
+        shape = members[0].shape if not fmi2 else _shape(members, extras)
         scalars = shape is None or (base in taken and len(members) > 1)
         for name, variables in [(v.name, [v]) for v in members] if scalars else [(base, members)]:
             ports[name] = _port(name, () if shape is None or scalars else shape, variables, fmi2, extras)
@@ -296,7 +298,7 @@ def _unite(model: ModelDescription, extras: Extras) -> tuple[dict[str, Port], di
     return ports, node_of
 
 
-def _shape(members: list[ModelVariable]) -> tuple[int, ...] | None:
+def _shape(members: list[ModelVariable], extras: Extras) -> tuple[int, ...] | None:
     """Shape of the array that the scalars form in row-major order; None when they form none."""
     matches = [_ELEMENT.fullmatch(v.name) for v in members]
     if len(members) == 1 and matches[0] is None:
@@ -307,6 +309,7 @@ def _shape(members: list[ModelVariable]) -> tuple[int, ...] | None:
     alike = all(
         (v.type, v.unit, v.causality, v.variability, v.initial, v.start is None)
         == (first.type, first.unit, first.causality, first.variability, first.initial, first.start is None)
+        and (v.name in extras.relative) == (first.name in extras.relative)
         for v in members
     )
     return shape if alike and indices == list(product(*(range(1, n + 1) for n in shape))) else None
@@ -335,6 +338,7 @@ def _port(name: str, shape: tuple[int, ...], variables: list[ModelVariable], fmi
         start=start,
         description=first.description or "",
         items=_items(first) if first.type == "Enumeration" else (),
+        relative=first.name in extras.relative,
     )
 
 

@@ -45,6 +45,10 @@ def initialised(
             instance = Instance(name, fmu, kind, *folders[key])
             stack.push(lambda kind_of_error, _, __, instance=instance: instance.close(healthy=kind_of_error is None))
             instances[name] = instance
+        for connection in system.connections:
+            component_name, port = system.port(connection.target)
+            fed = instances[component_name].sources
+            fed[port.name] = f"{fed[port.name]}, {connection.source}" if port.name in fed else connection.source
         for component in system.components.values():
             for variable, values in component.start.items():
                 instances[component.name].set_start(fmus[component.name].ports[variable], values)

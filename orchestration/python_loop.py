@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from math import inf
 
-from orchestration.instance import CallFailed, Instance, failing_at
+from orchestration.instance import CallFailed, EndRequested, Instance, failing_at
 from orchestration.plan import Floats, Plan
 from orchestration.propagation import Ring, action_of, execute
 
@@ -25,6 +26,17 @@ class PythonLoop:
         self._record_every, self._solve = record_every, solve
         self._stopped = 0
         self.doing = (0, "", "")
+        self.forget_end()
+
+    def forget_end(self) -> None:
+        """Nobody has asked yet to end the simulation, unless it was in initialisation."""
+        asking = next((i for i in self._instances.values() if i.wants_end), None)
+        self._ending: tuple[float, Instance | None] = (inf if asking is None else -inf, asking)
+
+    def ending(self, k: int) -> EndRequested | None:
+        """Return the wish of a component to end the simulation at point k, or before."""
+        at, instance = self._ending
+        return instance.ended() if instance is not None and k >= at else None
 
     def stop(self, at_once: bool = False) -> None:
         """Let `steps` return before its next point, or before its next call; to be called from another thread."""
@@ -58,6 +70,8 @@ class PythonLoop:
                     self._go_on(name)
                     self.doing = k, name, "doStep"
                     instance.do_step(time, every * step)
+                    if instance.wants_end and k + every < self._ending[0]:
+                        self._ending = (k + every, instance)
 
     def _go_on(self, component: str) -> None:
         if self._stopped > 1:
@@ -79,6 +93,9 @@ class PythonLoop:
                 if k % self._record_every == 0:
                     rows[written] = self._plan.signals[self._plan.row]
                     written += 1
+                if (end := self.ending(k)) is not None:
+                    end.time = time
+                    raise end
                 if k < last:
                     self.move_on(k, last, time, step)
             except CallFailed as failed:

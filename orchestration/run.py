@@ -13,7 +13,7 @@ import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration.checkpoint import Checkpoint
-from orchestration.cosim import Course, Progress, Watcher, cosimulate
+from orchestration.cosim import Course, Progress, Watcher, cosimulate, rigid
 from orchestration.coupled import CoupledModel, SolverName, couple
 from orchestration.fmu import FmiVersion, Kind
 from orchestration.grid import Grid
@@ -58,6 +58,8 @@ def run(
 ) -> Result:
     """Run a system from start_time to stop_time (s) and record at t_k = start_time + k*step: N steps, N+1 rows.
 
+    If the times are no whole number of steps apart, the last step is shorter, where all components can take one.
+
     `method`: "co-simulation" exchanges values every `step`; "model-exchange" integrates all components as one ordinary
     differential equation with `solver` at `rtol`, `atol`. `fmi_version` says which file of a component known by name is
     taken. `record` names `component.variable` (None: all outputs), `record_every` keeps every n-th row.
@@ -73,8 +75,9 @@ def run(
     `checkpoint_every` seconds of simulated time; `resume` goes on from such a file, at whose time is the first row.
     `watchers` are called after each point, and may ask for changes at the next.
 
-    Raises AdcsError when the run cannot start, RunFailed when a component fails on the way, RunInterrupted on Ctrl-C;
-    the last two carry what was recorded as `.result`.
+    A component may end the simulation: the manifest's outcome says which, when and why. Raises AdcsError when the run
+    cannot start, RunFailed when a component fails on the way, RunInterrupted on Ctrl-C; the last two carry what was
+    recorded as `.result`.
     """
     _choice("method", method, Kind)
     _choice("solver", solver, SolverName)
@@ -87,7 +90,8 @@ def run(
         raise AdcsError(f"rtol = {rtol} is below what double precision can hold: use {_MIN_RTOL:.1e} or more")
     if not isinstance(record_every, int) or record_every < 1:
         raise AdcsError(f"record_every = {record_every!r}: expected a whole number of steps from 1")
-    grid = Grid.make(start_time, stop_time, step)
+    free = method == "model-exchange"
+    grid = Grid.make(start_time, stop_time, step, lambda: None if free else rigid(system, fmi_version))
     report = progress or (lambda fraction: None)
     if isinstance(solve_loops, Mapping):
         solve_loops = LoopSolver(**solve_loops)
@@ -95,12 +99,12 @@ def run(
         raise AdcsError("checkpoint_every: there is no checkpoint to be written, name its file")
     saved = None if resume is None else Checkpoint.read(Path(resume))
     first = 0 if saved is None else saved.k
-    if first > grid.steps:
+    if first > grid.full:
         raise AdcsError(f"{resume} is at t = {grid.time(first):g} s, after stop_time = {stop_time:g} s")
     for time_, name, _ in changes:
         if grid.index(time_, f"the change of {name}") < first:
             raise AdcsError(f"the change of {name} at {time_:g} s lies before the checkpoint, {grid.time(first):g} s")
-    times = grid.times[first:][-first % record_every :: record_every]
+    times = grid.rows(first, record_every)
     rows = len(times)
     recording = Recording(system, record, rows) if hdf5 is None else FileRecording(system, record, Path(hdf5))
     course = Course(
@@ -159,13 +163,14 @@ def run(
         if method == "co-simulation":
             cosimulate(system, grid, recording, fmi_version, stepping, course, report, clock.start, manifest)
         else:
-            with CoupledModel(
-                system, grid.start, grid.time(grid.steps), fmi_version, record, loops=solve_loops
-            ) as model:
+            with CoupledModel(system, grid.start, grid.bound, fmi_version, record, loops=solve_loops) as model:
                 state_names = model.state_names
                 states = np.empty((grid.steps + 1, len(state_names)))
                 clock.start()
                 couple(model, grid, recording, states, solver, rtol, atol, report)
+                if model.ended is not None:
+                    times[recording.filled - 1] = model.ended.time
+                    manifest["ended"] = model.ended.as_dict()
                 manifest["warnings"] = model.warnings
                 if model.loop_reports:
                     manifest["algebraic_loops"] = model.loop_reports
@@ -186,7 +191,11 @@ def run(
         raise RunFailed(f"{error}; {recording.filled} rows are kept", result(outcome)) from error
     except KeyboardInterrupt as error:
         raise RunInterrupted(result({"status": "interrupted"})) from error
-    return result({"status": "complete", **({"met": manifest.pop("stopped")} if "stopped" in manifest else {})})
+    outcome = {"status": "complete"}
+    for name, key in (("met", "stopped"), ("ended", "ended")):
+        if key in manifest:
+            outcome[name] = manifest.pop(key)
+    return result(outcome)
 
 
 def _only_in_cosimulation(course: Course, to_file: bool) -> None:

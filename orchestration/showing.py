@@ -134,6 +134,8 @@ def _lines(result: Result) -> list[str]:
         )
     if met := manifest["outcome"].get("met"):
         lines.append(f"ended at t = {met['time']:.9g} s, where {met['condition']}")
+    if ended := manifest["outcome"].get("ended"):
+        lines.append(f"ended at t = {ended['time']:.9g} s by {ended['component']}: {ended['message']}")
     if pace := manifest.get("real_time"):
         lines.append(
             f"paced at {pace['speed']:g} times real time: late by {1e3 * pace['late_median_s']:.3g} ms in the median, "

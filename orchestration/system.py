@@ -304,9 +304,10 @@ class System:
         return self._incoming.get((component, port.name), [])
 
     def _scale(self, link: str, output: End, input_: End) -> Scale:
-        fmus = (self.components[end.component].fmu for end in (output, input_))
+        here, there = (self.components[end.component].fmu for end in (output, input_))
+        relative = output.port.relative, input_.port.relative
         try:
-            return conversion(next(fmus), output.port.unit, next(fmus), input_.port.unit)
+            return conversion(here, output.port.unit, there, input_.port.unit, relative)
         except AdcsError as error:
             raise AdcsError(f"{link}{error}") from None
 

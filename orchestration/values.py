@@ -38,7 +38,7 @@ def _units(fmu: Fmu, port: Port) -> dict[str, tuple[float, float]]:
     if port.unit is None:
         return {}
     displays = [d for u in fmu.model.unitDefinitions if u.name == port.unit for d in u.displayUnits]
-    return {port.unit: (1.0, 0.0), **{d.name: (d.factor, d.offset) for d in displays}}
+    return {port.unit: (1.0, 0.0), **{d.name: (d.factor, 0.0 if port.relative else d.offset) for d in displays}}
 
 
 def _is_json(text: str, bare: bool = False) -> bool:

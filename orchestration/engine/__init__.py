@@ -16,7 +16,7 @@ import numpy as np
 
 from fmus import toolchain
 from fmus.paths import BUILD
-from orchestration.instance import CallFailed, Instance
+from orchestration.instance import CallFailed, EndRequested, Instance
 from orchestration.plan import Call, Floats, Plan
 from orchestration.propagation import Ring, action_of, not_finite, not_held, not_mapped
 
@@ -38,6 +38,8 @@ _TYPES = ["Float64", "Float32", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UI
 _BOOL32 = len(_TYPES)  # FMI 2's
 _SIZES = dict(zip(_TYPES, (8, 4, 1, 1, 2, 2, 4, 4, 8, 8, 4), strict=True))
 _FMI2_NAMES = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean"}
+
+_NEVER = 2**63 - 1  # the point at which nobody ends the simulation
 
 _CALLBACK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int32, ctypes.c_int32, ctypes.c_double, ctypes.c_double)
 
@@ -118,6 +120,9 @@ class _Plan(ctypes.Structure):
         ("record_every", ctypes.c_int64),
         ("callback", _CALLBACK),
         ("failure", _Failure),
+        ("ending", ctypes.c_int64),
+        ("ender", ctypes.c_int32),
+        ("returned", ctypes.c_double),
         ("k", ctypes.c_int64),
         ("doing", ctypes.c_int32),
         ("component", ctypes.c_int32),
@@ -177,6 +182,7 @@ class Engine:
             callback=_CALLBACK(self._called_back),
         )
         self._reference = ctypes.byref(self._raw)
+        self.forget_end()
 
     @property
     def doing(self) -> tuple[int, str, str]:
@@ -188,6 +194,15 @@ class Engine:
     def stop(self, at_once: bool = False) -> None:
         """Let `steps` return before its next point, or before its next call; to be called from another thread."""
         self._raw.stop = 2 if at_once else 1
+
+    def forget_end(self) -> None:
+        """Nobody has asked yet to end the simulation, unless it was in initialisation."""
+        asking = next((n for n, instance in enumerate(self._instances) if instance.wants_end), None)
+        self._raw.ending, self._raw.ender = _NEVER if asking is None else -1, asking or 0
+
+    def ending(self, k: int) -> EndRequested | None:
+        """Return the wish of a component to end the simulation at point k, or before."""
+        return None if k < self._raw.ending else self._instances[self._raw.ender].ended()
 
     def propagate(self, k: int = 0, time: float = 0.0) -> None:
         """Execute the get and set calls of point k once."""
@@ -236,7 +251,9 @@ class Engine:
                 assert self._solve is not None
                 self._solve(number)
             else:
-                self._instances[number].do_step(time, step)
+                instance = self._instances[number]
+                instance.do_step(time, step)
+                return 2 if instance.wants_end else 0
         except BaseException as error:  # cannot pass through C
             self._raised = error
             return 1
@@ -297,9 +314,9 @@ class Engine:
         if failure.reason == _NOT_FINITE:
             return not_finite(instance.name, elements[failure.element])
         if failure.reason == _TERMINATED:
-            return instance.ended()
+            return instance.ended(self._raw.returned)
         if failure.reason == _EARLY_RETURN:
-            return instance.returned_early()
+            return instance.returned_early(self._raw.returned)
         return instance.failure(action, failure.status)
 
 

@@ -87,6 +87,7 @@ typedef struct {
     int32_t element;   /* of the first value that is wrong */
 } Failure;
 
+/* 0: done, 1: it raised, 2: done, and the component asks to end the simulation */
 typedef int (*Callback)(int32_t kind, int32_t number, double time, double step);
 
 typedef struct {
@@ -101,8 +102,11 @@ typedef struct {
     const Piece* record; /* what makes up a row */
     size_t n_record;
     int64_t record_every;
-    Callback callback; /* solves a loop, or steps a component; not 0: it raised */
+    Callback callback; /* solves a loop, or steps a component */
     Failure failure;
+    int64_t ending;    /* the point at which the simulation ends, because a component has asked for it */
+    int32_t ender;     /* index of the component */
+    double returned;   /* the time at which a step that failed returned, where FMI 3 says it */
     /* read and written by other threads */
     volatile int64_t k;
     volatile int32_t doing, component; /* the call that is going on */
@@ -277,21 +281,44 @@ static bool propagate(Plan* plan, int64_t k, double time) {
     return true;
 }
 
-static bool do_step(Plan* plan, size_t i, double time, double step) {
+/* Of a step, two times that differ by less are the same: SNAP of grid.py. */
+#define SNAP 1e-9
+
+/* An FMI 3 step asks to end the simulation at the time `last`, which not every FMU gives where it does not return
+ * early: note it, if the step is done. */
+static bool end_at(Plan* plan, size_t i, int64_t k, double time, double step, bool early, double last) {
+    plan->returned = last;
+    if (!(last >= time + step - SNAP * step)) {
+        if (last >= time) return fail(plan, TERMINATED, DO_STEP, i, 0, 0, 0);
+        if (early) return fail(plan, EARLY_RETURN, DO_STEP, i, 0, 0, 0);
+    }
+    if (k < plan->ending) {
+        plan->ending = k;
+        plan->ender = (int32_t)i;
+    }
+    return true;
+}
+
+/* To point k. */
+static bool do_step(Plan* plan, size_t i, int64_t k, double time, double step) {
     const Component* c = &plan->components[i];
     plan->doing = DO_STEP;
     plan->component = (int32_t)i;
     if (!c->do_step.fmi2) {
-        const int raised = plan->callback(DO_STEP, (int32_t)i, time, step);
-        return raised ? fail(plan, RAISED, DO_STEP, i, 0, 0, 0) : true;
+        const int answer = plan->callback(DO_STEP, (int32_t)i, time, step); /* 2: it asks to end the simulation */
+        if (answer == 2) return end_at(plan, i, k, time, step, false, time + step);
+        return answer ? fail(plan, RAISED, DO_STEP, i, 0, 0, 0) : true;
     }
     bool event = false, terminate = false, early = false;
-    double last = time;
+    double last = time + step; /* which not all FMUs set */
     const int status = c->fmi == 2 ? c->do_step.fmi2(c->instance, time, step, 1)
                                    : c->do_step.fmi3(c->instance, time, step, true, &event, &terminate, &early, &last);
     if (!good(status)) return fail(plan, STATUS, DO_STEP, i, 0, status, 0);
-    if (terminate) return fail(plan, TERMINATED, DO_STEP, i, 0, status, 0);
-    if (early) return fail(plan, EARLY_RETURN, DO_STEP, i, 0, status, 0);
+    if (terminate) return end_at(plan, i, k, time, step, early, last);
+    if (early) {
+        plan->returned = last;
+        return fail(plan, EARLY_RETURN, DO_STEP, i, 0, status, 0);
+    }
     return true;
 }
 
@@ -322,7 +349,7 @@ static bool move_on(Plan* plan, int64_t k, int64_t last, double time, double ste
         const int64_t every = plan->components[i].every;
         if (!due(every, k) || k + every > last) continue;
         if (plan->stop > 1) return fail(plan, GIVEN_UP, DO_STEP, i, 0, 0, 0);
-        if (!do_step(plan, i, time, (double)every * step)) return false;
+        if (!do_step(plan, i, k + every, time, (double)every * step)) return false;
     }
     return true;
 }
@@ -335,7 +362,8 @@ EXPORT bool adcs_move_on(Plan* plan, int64_t k, int64_t last, double time, doubl
 /* Points first .. first+count-1 of a co-simulation whose last point is `last`: take what comes from outside (a row of
  * n_external values for each point, or null), propagate at t_k = start + k*step, record every record_every-th point,
  * move on (not from the last one). plan->k says where it ended: at first+count, or before it where a call failed or it
- * was told to stop. Returns the number of rows written. */
+ * was told to stop, or at the point, recorded, at which a component ends the simulation. Returns the number of rows
+ * written. */
 EXPORT int64_t adcs_steps(Plan* plan, double start, double step, int64_t first, int64_t count, int64_t last,
                           const double* external, double* rows) {
     int64_t written = 0;
@@ -352,6 +380,11 @@ EXPORT int64_t adcs_steps(Plan* plan, double start, double step, int64_t first, 
         if (plan->record_every == 1 || k % plan->record_every == 0) {
             rows = gather(plan->signals, plan->record, plan->n_record, rows);
             ++written;
+        }
+        if (k >= plan->ending) {
+            plan->returned = time;
+            fail(plan, TERMINATED, DO_STEP, (size_t)plan->ender, 0, 0, 0);
+            return written;
         }
         if (k < last && !move_on(plan, k, last, time, step)) return written;
         plan->k = k + 1;

@@ -58,7 +58,7 @@ def _read(path: Path, archive: Archive, structure: str, *, refuse_unknown: bool)
     root = read_structure(home)
     parts = {part.element.path: part for part in map(_part, root.components())}
     wiring = Wiring(root, parts)
-    values = Bindings(parts, wiring.shapes).read(root, refuse_unknown=refuse_unknown)
+    values = Bindings(parts, wiring.shapes, wiring.relative).read(root, refuse_unknown=refuse_unknown)
     routes = wiring.routes(values.units)
     starts, links = _settled(routes, parts, values.given)
 

@@ -177,7 +177,9 @@ def test_a_mapping_says_what_arrives_for_each_value(mock, version, stepping):
         assert result["typed.whole"].dtype == np.int64
         assert result["typed.whole"].tolist() == [n, n]
         assert result["oscillator.u"].tolist() == [arrives, arrives]
-    with pytest.raises(AdcsError, match=r"u gets a value for which its connection has no mapping$"):
+    with pytest.raises(
+        AdcsError, match=r"u gets a value for which its connection has no mapping, it comes from typed.whole$"
+    ):
         run(system(3), stop_time=1, step=1, stepping=stepping, fmi_version=version)
 
 

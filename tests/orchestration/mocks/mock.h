@@ -12,11 +12,13 @@
 #include "variables.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct {
     double time, next_event, v[N_VALUES];
+    double stop; /* as it was told */
     int terminate;
     fmi2CallbackFunctions fmi2;
     fmi3LogMessageCallback log3;
@@ -39,6 +41,13 @@ static Mock *create(void) {
     memcpy(m->v, start, sizeof start);
     m->next_event = INFINITY;
     return m;
+}
+
+static int beyond(Mock *m, double t) {
+    char text[100];
+    if (!(t > m->stop)) return 0;
+    snprintf(text, sizeof text, "t = %.17g is beyond the stop time %.17g", t, m->stop);
+    return say(m, 3, text);
 }
 
 static size_t length(unsigned vr) {
@@ -65,6 +74,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
 void fmi2FreeInstance(fmi2Component c) { free(c); }
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean d, fmi2Real tol, fmi2Real t, fmi2Boolean e, fmi2Real stop) {
     M->time = t;
+    M->stop = e ? stop : INFINITY;
     return fmi2OK;
 }
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) { return fmi2OK; }
@@ -116,6 +126,7 @@ fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t n) {
     return fmi2OK;
 }
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean b) {
+    if (beyond(M, t + h)) return fmi2Error;
     const int status = step(M, t, h);
     M->time = t + h;
     return (fmi2Status)status;
@@ -148,6 +159,7 @@ void fmi3FreeInstance(fmi3Instance c) { free(c); }
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean d, fmi3Float64 tol, fmi3Float64 t, fmi3Boolean s,
                                        fmi3Float64 stop) {
     M->time = t;
+    M->stop = s ? stop : INFINITY;
     return fmi3OK;
 }
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { return (fmi3Status)calculate(M); }
@@ -195,7 +207,8 @@ fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 x[], size_t n) {
 }
 fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean b, fmi3Boolean *event,
                       fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *last) {
-    *event = *early = false;
+    *event = *early = *terminate = false;
+    if (beyond(M, t + h)) return fmi3Error;
     const int status = step(M, t, h);
     *terminate = M->terminate;
     *last = M->time = t + h;

@@ -84,7 +84,7 @@ def list_command(as_json: Json = False) -> None:
 
 @app.command("info")
 def info_command(name: Annotated[str, typer.Argument(help="A component.")], as_json: Json = False) -> None:
-    """Show a component's variables with units, start values and bounds.
+    """Show a component's variables with units, start values and bounds, and which parameters can be tuned in a run.
 
     Examples: `adcs info RigidBody` · `adcs info RigidBody --json`
     """
@@ -104,7 +104,8 @@ def info_command(name: Annotated[str, typer.Argument(help="A component.")], as_j
     for v in description.variables:
         if v.causality != "independent":
             size = " x ".join(map(str, v.shape))
-            table.add_row(v.name, v.causality, size, v.unit or "", _start(v), v.bounds, v.description)
+            causality = f"{v.causality}, tunable" if v.variability == "tunable" else v.causality
+            table.add_row(v.name, causality, size, v.unit or "", _start(v), v.bounds, v.description)
     _out.print(table)
 
 

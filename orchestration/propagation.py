@@ -96,6 +96,6 @@ def _source(call: Call, element: int) -> str:
     link = call.links[element] if call.links else None
     if link is None or not link.source:
         return ""
-    _, bracket, index = call.elements[element].rpartition("[")
+    _, bracket, index = call.elements[element].partition("[")
     whole = not link.target.endswith("]")
     return f", it comes from {link.source}{bracket + index if whole else ''}"

@@ -40,7 +40,7 @@ class Recording:
     def _allocate(self, rows: int) -> Floats:
         try:
             return np.empty((rows, self.size))
-        except MemoryError:
+        except (MemoryError, ValueError):  # of more than can be addressed
             raise AdcsError(
                 f"{rows} rows of {self.size} values do not fit into memory: write them to a file as they come "
                 "(--format hdf5), record fewer variables, or not every step"

@@ -22,7 +22,7 @@ from orchestration.run import run as run_system
 from orchestration.session import Stepping
 from orchestration.showing import REPORT_FILES, Format, as_json, exit_code, progress, show, write_files, write_report
 from orchestration.system import System
-from orchestration.words import assigned, seconds
+from orchestration.words import assigned, seconds, sizes_first
 
 _LARGE = 20_000_000  # values; more are written, but not read again for key numbers and report
 _NUMERICS, _DURING, _RESULTS = "How it is solved", "What happens during the run", "Results"
@@ -44,9 +44,22 @@ adcs run system.ssp --estimate-error --format hdf5
 def run(
     system: Annotated[str, typer.Argument(help="Name of a system (`adcs list`), or an .ssp or .fmu file.")],
     step: Annotated[
-        float | None, typer.Option(help="Time between two exchanges and two rows [s].", rich_help_panel=_NUMERICS)
+        float | None,
+        typer.Option(
+            help="Time between two exchanges and two rows [s]. [default: that of the system]",
+            rich_help_panel=_NUMERICS,
+        ),
     ] = None,
-    stop: Annotated[float | None, typer.Option(help="Stop time [s].", rich_help_panel=_NUMERICS)] = None,
+    start: Annotated[
+        float | None, typer.Option(help="Start time [s]. [default: that of the system]", rich_help_panel=_NUMERICS)
+    ] = None,
+    stop: Annotated[
+        float | None,
+        typer.Option(
+            help="Stop time [s]; the last step is shorter, if need be. [default: that of the system]",
+            rich_help_panel=_NUMERICS,
+        ),
+    ] = None,
     set_: Annotated[
         list[str] | None,
         typer.Option(
@@ -95,7 +108,8 @@ def run(
         float | None,
         typer.Option(
             metavar="TOLERANCE",
-            help="Choose exchange steps of --step/2^j so that halving them changes no output by more.",
+            help="Choose exchange steps of --step/2^j so that halving them changes no output by more than "
+            "TOLERANCE * (1 + its size).",
             rich_help_panel=_NUMERICS,
         ),
     ] = None,
@@ -217,7 +231,7 @@ def run(
     """Run a system: write the result, manifest.json, report.html, report.png, and print the key numbers."""
     entry = find_system(system)
     built = entry.build()
-    for assignment in set_ or []:
+    for assignment in sizes_first(built, set_ or []):
         built.set(*assigned(built, assignment))
     for assignment in every or []:
         _every(built, assignment)
@@ -234,7 +248,7 @@ def run(
         checkpoint.absolute().parent.mkdir(parents=True, exist_ok=True)  # refused now, rather than after the run
     wanted = record if no_report else _with_outputs(built, record)  # the report needs more than what is written
     settings: dict[str, Any] = {
-        "start_time": entry.start_time,
+        "start_time": entry.start_time if start is None else start,
         "stop_time": entry.stop_time if stop is None else stop,
         "step": entry.step if step is None else step,
         "method": method,
@@ -254,8 +268,9 @@ def run(
         "record_every": record_every,
         "hdf5": folder / "result.h5" if formats == ["hdf5"] else None,
     }
-    if settings["stop_time"] == entry.start_time:
-        raise AdcsError(f"stop = {entry.start_time:g} s is the start time: give a later one")
+    if settings["stop_time"] <= settings["start_time"]:
+        times = f"stop = {settings['stop_time']:g} s is not after start = {settings['start_time']:g} s"
+        raise AdcsError(f"{times}: give a later --stop")
     if settings["step"] > 0:
         entry.check_step(settings["step"])
     errors: Estimate | None = None
@@ -266,7 +281,7 @@ def run(
         if mavlink and real_time is None:
             settings["real_time"] = 1.0
         options = Options(to or (), allow, frame, maps=map_ or (), tlog=tlog, network=mavlink)
-        pace = {"step": settings["step"], "start": entry.start_time, "speed": settings["real_time"] or 1.0}
+        pace = {"step": settings["step"], "start": settings["start_time"], "speed": settings["real_time"] or 1.0}
         attached = watcher = ground.attached(built, options, **pace)
         settings["watchers"] = [watcher]
         wanted = _with_outputs(built, wanted)

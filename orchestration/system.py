@@ -147,16 +147,52 @@ class System:
         self.components[name] = component
 
     def set(self, name: str, value: Value) -> None:
-        """Set one start value, `component.variable`; replaces one given before."""
+        """Set one start value, `component.variable`; replaces one given before.
+
+        A structural parameter gives arrays their size: start values of theirs that were not given here follow it.
+        """
         component, port = self.port(name)
         if _structural(port):
-            raise AdcsError(f"{name} says how long arrays are: give it when the component is added")
+            self._resize(component, port, value)
+            return
         for connected in self._into(component, port):
             if not connected.delayed:
                 raise AdcsError(f"{name} is connected to {connected.source}: a start value would have no effect")
         self.components[component].start[port.name] = _start(
             component, self.components[component].fmu, port.name, value
         )
+
+    def _resize(self, name: str, parameter: Port, value: Value) -> None:
+        """Set a structural parameter; refuse what makes given start values or connections not fit any more."""
+        component = self.components[name]
+        old, plain = component.fmu, open_fmu(component.fmu.path)
+        start = {**component.start, parameter.name: _start(name, plain, parameter.name, value)}
+        new = plain.configured({n: v for n, v in start.items() if _structural(plain.ports[n])})
+        reason = f"{name}.{parameter.name} = {start[parameter.name][0]}"
+        for variable, values in component.start.items():
+            if new.ports[variable].shape == old.ports[variable].shape:
+                continue
+            default = old.ports[variable].start
+            if values != default and (default is not None or any(values)):
+                raise AdcsError(
+                    f"{reason}: {name}.{variable} was given {_size(old.ports[variable].shape)} and has "
+                    f"{_size(new.ports[variable].shape)} then: set {parameter.name} first"
+                )
+            follows = new.ports[variable].start
+            if default is None:
+                follows = values[:1] * new.ports[variable].size
+            if follows is None:
+                del start[variable]
+            else:
+                start[variable] = follows
+        for connection in self._connections:
+            for end in (self.end(connection.source), self.end(connection.target)):
+                if end.component == name and new.ports[end.port.name].shape != end.port.shape:
+                    raise AdcsError(
+                        f"{reason}: {name}.{end.port.name} is connected ({connection.source} to {connection.target}) "
+                        f"and has {_size(new.ports[end.port.name].shape)} then: set {parameter.name} before"
+                    )
+        component.start, component.fmu = start, new
 
     def connect(
         self,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Any
 
 from fmus.errors import AdcsError
@@ -21,6 +22,19 @@ def assigned(system: System, assignment: str, option: str = "--set", alone: str 
     name = full_name(name.strip(), alone)
     component, port = system.port(name)
     return name, parse_value(system.components[component].fmu, port, text)
+
+
+def sizes_first(system: System, assignments: Sequence[str], alone: str | None = None) -> list[str]:
+    """Return assignments in the order in which they can be made: structural parameters say what size others have."""
+
+    def later(assignment: str) -> bool:
+        name = full_name(assignment.partition("=")[0].strip(), alone)
+        try:
+            return system.port(name)[1].causality != "structuralParameter"
+        except AdcsError:  # which is refused when its turn comes
+            return True
+
+    return sorted(assignments, key=later)
 
 
 def full_name(name: str, alone: str | None) -> str:

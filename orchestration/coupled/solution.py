@@ -18,6 +18,7 @@ from orchestration.results import Recording
 
 _LOOKS = 5  # into each step, for indicators that leave their domain and come back
 _CHATTER = 100  # events in what counts as one instant
+_MOST_EVENTS = 100_000  # between two rows
 
 
 def couple(
@@ -80,7 +81,7 @@ class Solution:
 
     def reach(self, point: float) -> None:
         """Go on to a time, and through all events that happen there; not beyond the end that a component asks for."""
-        looked = False
+        looked, events, start = False, 0, self.time
         while self._model.ended is None:
             due = self._model.next_event
             if due <= point + self._instant:
@@ -96,8 +97,15 @@ class Solution:
             if cause is None and self.time >= due:
                 cause = self._model.next_event_of, "time events"
             if cause is not None and self._model.ended is None:
-                looked = False
+                looked, events = False, events + 1
                 self._event(*cause)
+                if events == _MOST_EVENTS:
+                    needed = events * (point - start) / max(self.time - start, np.spacing(abs(point)))
+                    raise CallFailed(
+                        cause[0],
+                        f"{events} events lead from t = {start:.9g} only to {self.time:.9g} s, {needed:.2g} would be "
+                        f"needed up to {point:.9g} s: choose a shorter time between rows",
+                    )
         if self._model.ended is None and self.time < point:  # by an instant, over which a straight line is exact
             self._restart(point, self.x + (point - self.time) * self._model.rhs(self.time, self.x))
 

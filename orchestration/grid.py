@@ -108,7 +108,14 @@ class Grid:
 
     def rows(self, first: int, every: int) -> NDArray[np.float64]:
         """The times of the rows from point `first` on: of every `every`-th point, and of a shorter last step."""
-        k = np.arange(-(-first // every) * every, self.full + 1, every, dtype=np.float64)
+        begin = -(-first // every) * every
+        try:
+            k = np.arange(begin, self.full + 1, every, dtype=np.float64)
+        except (MemoryError, ValueError):  # of what can be addressed
+            raise AdcsError(
+                f"{(self.full - begin) // every + 1} rows do not fit into memory: record not every step, or take "
+                "longer ones"
+            ) from None
         times: NDArray[np.float64] = self.start + k * self.step
         return times if self.stop is None else np.append(times, self.stop)
 

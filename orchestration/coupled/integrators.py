@@ -164,7 +164,13 @@ class _CVode:
     def step(self, target: float) -> None:
         self._budget.count(self.time, target, "CVode")
         if target - self.time <= 1e3 * np.spacing(max(abs(target), abs(self.time))):  # CVODE finds that too close
-            self.restart(target, self.x + (target - self.time) * self._model.rhs(self.time, self.x))
+            moved = (target - self.time) * self._model.rhs(self.time, self.x)
+            if np.any(np.abs(moved) > np.sqrt(self._rtol) * (np.abs(self.x) + self._model.nominals)):
+                raise AdcsError(
+                    f"CVode cannot go on from t = {self.time:.9g} s: time has too few digits here for its steps, let "
+                    "the run start nearer to 0"
+                )
+            self.restart(target, self.x + moved)
             self._short = True
             return
         self._short = False

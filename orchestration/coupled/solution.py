@@ -101,11 +101,13 @@ class Solution:
                 self._event(*cause)
                 if events == _MOST_EVENTS:
                     needed = events * (point - start) / max(self.time - start, np.spacing(abs(point)))
-                    raise CallFailed(
+                    failed = CallFailed(
                         cause[0],
                         f"{events} events lead from t = {start:.9g} only to {self.time:.9g} s, {needed:.2g} would be "
                         f"needed up to {point:.9g} s: choose a shorter time between rows",
                     )
+                    failed.time = self.time
+                    raise failed
         if self._model.ended is None and self.time < point:  # by an instant, over which a straight line is exact
             self._restart(point, self.x + (point - self.time) * self._model.rhs(self.time, self.x))
 

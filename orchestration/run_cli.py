@@ -268,9 +268,8 @@ def run(
         "record_every": record_every,
         "hdf5": folder / "result.h5" if formats == ["hdf5"] else None,
     }
-    if settings["stop_time"] <= settings["start_time"]:
-        times = f"stop = {settings['stop_time']:g} s is not after start = {settings['start_time']:g} s"
-        raise AdcsError(f"{times}: give a later --stop")
+    if settings["stop_time"] == settings["start_time"]:
+        raise AdcsError(f"stop = {settings['start_time']:g} s is the start time: give a later one")
     if settings["step"] > 0:
         entry.check_step(settings["step"])
     errors: Estimate | None = None

@@ -13,7 +13,7 @@ import numpy as np
 from fmus.errors import AdcsError
 from orchestration.engine import Engine
 from orchestration.fmu import FmiVersion, Port
-from orchestration.grid import Grid
+from orchestration.grid import SNAP, Grid
 from orchestration.instance import CallFailed, EndRequested, Instance, failing_at
 from orchestration.loops import Loops, LoopSolver
 from orchestration.opening import initialised
@@ -288,9 +288,10 @@ def _in_steps(connection: Connection, step: float) -> Connection:
         return connection
     ratio = connection.delay / step
     steps = round(ratio)
-    if not isfinite(ratio) or steps < 1 or abs(ratio - steps) > 1e-9 * ratio:
+    if not isfinite(ratio) or steps < 1 or abs(ratio - steps) > SNAP * ratio:
+        below = f"{int(ratio) * step:.12g} s" if ratio >= 1 else "none"
         raise AdcsError(
             f"the delay of {connection.target}, {connection.delay:g} s, is not a whole number of exchange steps of "
-            f"{step:g} s: use {max(1, int(ratio)) * step:.12g} or {(int(ratio) + 1) * step:.12g} s, or another step"
+            f"{step:g} s: use {below} or {(int(ratio) + 1) * step:.12g} s, or another step"
         )
     return replace(connection, delay_steps=steps, delay=0.0)

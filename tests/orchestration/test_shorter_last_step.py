@@ -194,7 +194,7 @@ def test_start_on_the_command_line(tmp_path, monkeypatch):
 
 def test_a_start_after_the_end(tmp_path, monkeypatch, capsys):
     assert adcs(monkeypatch, "run", "observer-pd", "--start", 200, "--out", tmp_path) == 1
-    assert capsys.readouterr().err == "adcs: stop = 100 s is not after start = 200 s: give a later --stop\n"
+    assert capsys.readouterr().err == "adcs: stop_time = 100.0 s lies before start_time = 200.0 s\n"
 
 
 def test_sizes_on_the_command_line(foreign, tmp_path, monkeypatch):

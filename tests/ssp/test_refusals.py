@@ -175,8 +175,8 @@ STRUCTURES = {
         "'m' and 'rad', and do not measure the same",
     ),
     "undefined unit of a parameter": (
-        bound(parameters({"turn": f'{ONE} unit="m"'})),
-        "units differ, 'm' and 'rad', and 'm' is not defined: define it",
+        bound(parameters({"turn": f'{ONE} unit="furlong"'})),
+        "units differ, 'furlong' and 'rad', and 'furlong' is not defined: define it",
     ),
     "type of a parameter": (
         bound(parameters({"k": 'Boolean value="true"'})),

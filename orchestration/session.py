@@ -289,9 +289,8 @@ def _in_steps(connection: Connection, step: float) -> Connection:
     ratio = connection.delay / step
     steps = round(ratio)
     if not isfinite(ratio) or steps < 1 or abs(ratio - steps) > SNAP * ratio:
-        below = f"{int(ratio) * step:.12g} s" if ratio >= 1 else "none"
         raise AdcsError(
             f"the delay of {connection.target}, {connection.delay:g} s, is not a whole number of exchange steps of "
-            f"{step:g} s: use {below} or {(int(ratio) + 1) * step:.12g} s, or another step"
+            f"{step:g} s: use {int(ratio) * step:.12g} or {(int(ratio) + 1) * step:.12g} s, or another step"
         )
     return replace(connection, delay_steps=steps, delay=0.0)

@@ -104,9 +104,9 @@ typedef struct {
     int64_t record_every;
     Callback callback; /* solves a loop, or steps a component */
     Failure failure;
-    int64_t ending;    /* the point at which the simulation ends, because a component has asked for it */
-    int32_t ender;     /* index of the component */
-    double returned;   /* the time at which a step that failed returned, where FMI 3 says it */
+    int64_t ending;  /* the point at which the simulation ends, because a component has asked for it */
+    int32_t ender;   /* index of the component */
+    double returned; /* the time at which a step that failed returned, where FMI 3 says it */
     /* read and written by other threads */
     volatile int64_t k;
     volatile int32_t doing, component; /* the call that is going on */

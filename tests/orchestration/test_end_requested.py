@@ -11,9 +11,12 @@ import foreign_fmus
 import pytest
 
 from fmus.errors import AdcsError
+from hil_bridge.cli import _go
 from hil_bridge.hil.flying import fly
 from orchestration import CoSimulation, RunFailed, System, cli, run, steps
+from orchestration.grid import Grid
 from orchestration.linear import linearize
+from orchestration.live import Pace
 
 STEPPINGS = ("compiled", "python")
 TAKEN, DISCARDED, EARLY = 0, 1, 2
@@ -214,3 +217,18 @@ def test_a_next_event_at_no_time_is_refused(foreign, event, method):
     system.add("c", fmu, {"period": 0.5, "nowhere": 1.0})
     with pytest.raises(RunFailed, match=r"^c failed at t = 0\.2?5 s: its next event(, at| is at) t = nan s"):
         run(system, stop_time=2.0, step=0.25, method=method)
+
+
+def test_under_a_bridge(foreign):
+    seen = []
+
+    def watcher(simulation):
+        seen.append(simulation.k - 1)
+        return ()
+
+    with CoSimulation(pair(foreign("quitter"), {"at": 0.5}), step=0.25) as simulation:
+        pace = Pace(Grid(0.0, 1e-4, 0))
+        pace.start(0)
+        _go(simulation, watcher, pace)
+        assert seen == [0, 1, 2]
+        assert simulation.ended.as_dict() == {"component": "c", "time": 0.5, "message": "landed"}

@@ -17,7 +17,7 @@ from orchestration import checkpoint
 from orchestration.adaptive import Adaptive
 from orchestration.checkpoint import Checkpoint
 from orchestration.fmu import FmiVersion
-from orchestration.grid import Grid
+from orchestration.grid import Grid, whole_steps
 from orchestration.instance import CallFailed, EndRequested
 from orchestration.live import Change, Condition, Inputs, Pace
 from orchestration.loops import LoopSolver
@@ -267,7 +267,7 @@ class _Saves:
         if course.checkpoint_every is not None:
             if not course.checkpoint_every > 0:
                 raise AdcsError(f"checkpoint_every = {course.checkpoint_every:g} s: expected a positive time")
-            self._every = Grid.make(0.0, course.checkpoint_every, simulation.step).steps
+            self._every = whole_steps(course.checkpoint_every, simulation.step, "checkpoint_every")
             if not checkpoint.aligned(simulation, self._every):
                 raise checkpoint.not_aligned(simulation, self._every)
 

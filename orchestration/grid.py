@@ -124,3 +124,20 @@ class Grid:
         far = max(abs(self.start), abs(self.start + ratio * self.step))
         written = min(SNAP * max(abs(ratio), 1.0), 1e-3)
         return max(written, min(4 * ulp(far) / self.step, 0.25)) if isfinite(far) else SNAP
+
+
+def whole_steps(time: float, step: float, what: str, *, none: bool = False) -> int:
+    """Return how many steps a positive time is; AdcsError if it is no whole number of them.
+
+    `what` names it there; `none` says whether it may as well be left out.
+    """
+    ratio = time / step
+    steps = round(ratio) if isfinite(ratio) else 0
+    if steps < 1 or abs(ratio - steps) > SNAP * ratio:
+        below = floor(ratio) if isfinite(ratio) else 0
+        less = f"{below * step:.12g} or " if below or none else ""
+        raise AdcsError(
+            f"{what}, {time:g} s, is not a whole number of exchange steps of {step:g} s: use {less}"
+            f"{(below + 1) * step:.12g} s, or another step"
+        )
+    return steps

@@ -13,7 +13,7 @@ import numpy as np
 from fmus.errors import AdcsError
 from orchestration.engine import Engine
 from orchestration.fmu import FmiVersion, Port
-from orchestration.grid import SNAP, Grid
+from orchestration.grid import Grid, whole_steps
 from orchestration.instance import CallFailed, EndRequested, Instance, failing_at
 from orchestration.loops import Loops, LoopSolver
 from orchestration.opening import initialised
@@ -286,11 +286,5 @@ def _in_steps(connection: Connection, step: float) -> Connection:
     """The connection with its delay in steps."""
     if not connection.delay:
         return connection
-    ratio = connection.delay / step
-    steps = round(ratio)
-    if not isfinite(ratio) or steps < 1 or abs(ratio - steps) > SNAP * ratio:
-        raise AdcsError(
-            f"the delay of {connection.target}, {connection.delay:g} s, is not a whole number of exchange steps of "
-            f"{step:g} s: use {int(ratio) * step:.12g} or {(int(ratio) + 1) * step:.12g} s, or another step"
-        )
+    steps = whole_steps(connection.delay, step, f"the delay of {connection.target}", none=True)
     return replace(connection, delay_steps=steps, delay=0.0)

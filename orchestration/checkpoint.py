@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.errors import AdcsError
-from fmus.toolchain import write_atomically
+from orchestration.isolation.writing import replacing
 from orchestration.session import CoSimulation
 
 _FORMAT = "adcs-checkpoint-1"
@@ -84,7 +84,8 @@ def write(simulation: CoSimulation, k: int, path: Path) -> None:
         instance.free(state)
     content = io.BytesIO()
     np.savez(content, **arrays)  # type: ignore[arg-type]
-    write_atomically(path, content.getvalue())
+    with replacing(path) as name:
+        name.write_bytes(content.getvalue())
 
 
 def check(simulation: CoSimulation) -> None:

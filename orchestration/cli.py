@@ -10,6 +10,7 @@ import fmus.cli
 import hil_bridge.cli
 import hil_bridge.hil.cli
 import orchestration.linear_cli
+import orchestration.recover_cli
 import orchestration.run_cli
 import orchestration.ssp.cli
 import studies.cli
@@ -24,6 +25,7 @@ app = typer.Typer(
 for _part in (
     fmus.cli.app,
     orchestration.run_cli.app,
+    orchestration.recover_cli.app,
     orchestration.ssp.cli.app,
     orchestration.linear_cli.app,
     hil_bridge.hil.cli.app,

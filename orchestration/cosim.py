@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from math import inf
 from pathlib import Path
@@ -18,7 +18,9 @@ from orchestration.adaptive import Adaptive
 from orchestration.checkpoint import Checkpoint
 from orchestration.fmu import FmiVersion
 from orchestration.grid import Grid
-from orchestration.instance import CallFailed
+from orchestration.isolation.guard import Guard
+from orchestration.isolation.life import hung_failure, watched_life
+from orchestration.isolation.where import Where
 from orchestration.live import Change, Condition, Inputs, Pace
 from orchestration.loops import LoopSolver
 from orchestration.plan import Floats
@@ -31,7 +33,6 @@ Progress = Callable[[float], Any]
 
 _PATIENCE = 0.1  # s, between two looks at progress
 _MOST = 1_000_000  # points between two looks
-_GIVEN_UP: list[CoSimulation] = []
 
 
 class Watcher(Protocol):
@@ -65,6 +66,8 @@ class Course:
     checkpoint_every: float | None = None  # s
     resume: Checkpoint | None = None
     watchers: Sequence[Watcher] = ()
+    where: Where = field(default_factory=Where)
+    guard: Guard = field(default_factory=Guard)
 
 
 def cosimulate(
@@ -84,7 +87,8 @@ def cosimulate(
     """
     course = course or Course()
     account = {} if account is None else account
-    with CoSimulation(
+    begun = partial(
+        CoSimulation,
         system,
         step=grid.step,
         start_time=grid.start,
@@ -96,17 +100,21 @@ def cosimulate(
         external=course.inputs.names if course.inputs else (),
         may_go_on=course.checkpoint is not None or course.resume is not None,
         solver=course.solver,
-    ) as simulation:
+        where=course.where,
+        guard=course.guard,
+    )
+    with watched_life(begun, course.where, course.timeout, account) as (simulation, watched):
+        watched.stop = simulation.loop.stop
         if course.checkpoint is not None:
             checkpoint.check(simulation)
         if course.resume is not None:
-            course.resume.apply(simulation)
+            watched(partial(course.resume.apply, simulation))
         adaptive = None if course.adaptive is None else Adaptive(simulation, course.adaptive)
-        driver = _Driver(simulation, recording, course, progress)
+        driver = _Driver(simulation, recording, course, progress, watched)
         begin()
         try:
             if adaptive is not None:
-                adaptive.run(recording, progress)
+                watched(partial(adaptive.run, recording, progress), throw=True)
             else:
                 driver.run()
         finally:
@@ -126,7 +134,15 @@ def cosimulate(
 class _Driver:
     """Takes a co-simulation through its points in pieces, each until something is to be done."""
 
-    def __init__(self, simulation: CoSimulation, recording: Recording, course: Course, progress: Progress) -> None:
+    def __init__(
+        self,
+        simulation: CoSimulation,
+        recording: Recording,
+        course: Course,
+        progress: Progress,
+        watched: Watched,
+    ) -> None:
+        self._watched = watched
         self._simulation, self._recording, self._course, self._progress = simulation, recording, course, progress
         self._pending = sorted((c for c in course.changes if c.k >= simulation.k), key=lambda change: change.k)
         self._saves = _Saves(simulation, course)
@@ -135,8 +151,7 @@ class _Driver:
         self.met_at: dict[str, Any] | None = None
 
     def run(self) -> None:
-        simulation = self._simulation
-        watched = Watched(lambda: simulation.loop.doing, simulation.loop.stop, self._course.timeout)
+        simulation, watched = self._simulation, self._watched
         if self._course.pace is not None:
             self._course.pace.start(simulation.k)
         count = 16
@@ -150,33 +165,28 @@ class _Driver:
                 try:
                     n = self._allowed(count)
                 except KeyboardInterrupt:  # while waiting for the time to go on
-                    self._saves.last()
+                    watched(self._saves.last)
                     raise
                 self._advance(watched, n)
+                simulation.check()
                 for watcher in self._course.watchers:
                     self._pending = [*watcher(simulation), *self._pending]
                 self._progress((simulation.k) / (simulation.last + 1))
                 if watched.interrupted:
-                    self._saves.last()
+                    watched(self._saves.last)
                     raise KeyboardInterrupt
-                self._saves.due()
+                if self._saves.are_due:
+                    watched(self._saves.write)
                 pace = _PATIENCE / max(perf_counter() - began, 1e-6)
                 count = max(1, min(int(count * min(pace, 8.0)), _MOST))
-            self._saves.last()
+            watched(self._saves.last)
         except Hung as hung:
-            k, name, action = hung.doing
-            # the call may come back: nothing that it, or what comes after it, works on may be freed
-            simulation.loop.stop(at_once=True)
-            for instance in simulation.instances.values():
-                instance.abandon()
-            _GIVEN_UP.append(simulation)
+            simulation.loop.stop(at_once=True)  # the call may come back
             if watched.interrupted:
-                raise KeyboardInterrupt from None
-            failed = CallFailed(name or "the system", f"{action} did not return within {self._course.timeout:g} s")
-            failed.time = simulation.start + k * simulation.step
+                raise
+            failed = hung_failure(hung, self._course.timeout)
+            failed.time = simulation.start + hung.doing[0] * simulation.step
             raise failed from None
-        finally:
-            watched.close()
 
     def _allowed(self, count: int) -> int:
         """How many points may be taken at once."""
@@ -208,7 +218,7 @@ class _Driver:
                 )
             )
         except Hung as hung:
-            k, _, action = hung.doing
+            k, _, action, *_ = hung.doing
             last = k if action == "doStep" else k - 1  # point k is recorded before it is stepped on from
             recording.commit(max(0, last // every - (first - 1) // every))
             raise
@@ -252,11 +262,18 @@ class _Saves:
             return 1
         return _MOST if self._every is None else self._every - self._simulation.k % self._every
 
-    def due(self) -> None:
-        """Save, if it is time to."""
+    @property
+    def are_due(self) -> bool:
+        """Whether it is time to save."""
         k = self._simulation.k
-        if self._path is not None and self._every is not None and k % self._every == 0 and k <= self._simulation.last:
-            checkpoint.write(self._simulation, k, self._path)
+        return (
+            self._path is not None and self._every is not None and k % self._every == 0 and k <= self._simulation.last
+        )
+
+    def write(self) -> None:
+        """Save at the present point."""
+        if self._path is not None:
+            checkpoint.write(self._simulation, self._simulation.k, self._path)
 
     def last(self) -> None:
         """Save where the run ended."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import posixpath
 import re
-import tempfile
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -23,6 +22,7 @@ from fmus import paths
 from fmus.errors import AdcsError
 from orchestration.description import Clock, Extras, directional_derivatives, for_fmpy, read_extras, read_xml
 from orchestration.feedthrough import Feedthrough
+from orchestration.isolation.temporary import temporary_folder
 
 FmiVersion = Literal["2.0", "3.0"]
 Kind = Literal["co-simulation", "model-exchange"]
@@ -256,12 +256,12 @@ def extracted(fmu: Fmu, kind: Kind) -> Iterator[tuple[Path, Path]]:
                 f"{fmu.path.name} has no binary for this platform ({fmu.binaries(kind)[0]} is missing, it has: "
                 f"{', '.join(sorted(folders)) or 'none'}): build it for this platform"
             )
-        with tempfile.TemporaryDirectory(prefix="adcs-fmu-", ignore_cleanup_errors=True) as folder:
+        with temporary_folder("fmu") as folder:
             try:
                 archive.extractall(folder, [n for n in names if not n.startswith(_NOT_FOR_RUNNING)])
             except Exception as error:  # of zipfile, zlib or the file system
                 raise AdcsError(f"{fmu.path} cannot be extracted ({_one_line(error)}): {_AGAIN}") from error
-            yield Path(folder), Path(folder) / found[0]
+            yield folder, folder / found[0]
 
 
 def _archive_names(path: Path) -> list[str]:

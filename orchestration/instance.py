@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import chdir, contextmanager, suppress
 from ctypes import byref
+from functools import cached_property
 from math import isfinite
 from pathlib import Path
 from threading import Lock
@@ -18,6 +19,8 @@ from fmpy.fmi1 import FMICallException, printLogMessage
 from fmus.errors import AdcsError
 from orchestration.events import Events
 from orchestration.fmu import Fmu, Kind, Port
+from orchestration.isolation.guard import Guard
+from orchestration.isolation.where import Where
 from orchestration.stepping import Stepper
 
 _STATUS = {0: "ok", 1: "warning", 2: "discard", 3: "error", 4: "fatal", 5: "pending"}
@@ -71,8 +74,19 @@ class Instance:
     `handle` is fmpy's object. Every failing call raises CallFailed.
     """
 
-    def __init__(self, name: str, fmu: Fmu, kind: Kind, folder: Path, binary: Path) -> None:
+    def __init__(
+        self,
+        name: str,
+        fmu: Fmu,
+        kind: Kind,
+        folder: Path,
+        binary: Path,
+        where: Where | None = None,
+        guard: Guard | None = None,
+    ) -> None:
         self.name = name
+        self._where = where or Where()
+        self._guard = guard
         self.fmu = fmu
         self.major = fmu.major_version
         self.kind: Kind = kind
@@ -90,6 +104,7 @@ class Instance:
                 f"{name} ({fmu.path.name}) has clocks ({clocks}), which are supported in co-simulation with event mode "
                 "only: run the system with method 'co-simulation'"
             )
+        self.begins("instantiating")
         try:
             with _loading, chdir("."):
                 self.handle: Any = _CLASSES[self.major, kind](
@@ -109,8 +124,11 @@ class Instance:
             if interface.needsExecutionTool:
                 reason += f"; it needs the tool that made it, {fmu.model.generationTool or 'which it does not name'}"
             raise AdcsError(f"{name}: cannot instantiate {fmu.path.name}: {reason}") from error
+        finally:
+            self._where.idle()
         self._alive = True
         self._listen()
+        self._check()
         if kind == "co-simulation" and self._needs_care():
             self._stepper = Stepper(self, self._events)
 
@@ -211,10 +229,28 @@ class Instance:
 
     def call(self, action: str, method: str, *arguments: Any, **named: Any) -> Any:
         """Call a method of fmpy's object; `action` says what is done, for the error."""
+        self._where.call(self.name, action)
         try:
             return getattr(self.handle, method)(*arguments, **named)
         except FMICallException as error:
             raise self.failure(action, error.status) from error
+        finally:
+            self._where.idle()
+            if self._guard is not None and not self.ours:
+                self._guard.thread(self.name)
+
+    def begins(self, action: str) -> None:
+        """Note that a call is about to be made past `call`."""
+        self._where.call(self.name, action)
+
+    def _check(self) -> None:
+        if self._guard is not None and not self.ours:
+            self._guard.check(self.name)
+
+    @cached_property
+    def ours(self) -> bool:
+        """Whether the FMU was built here: it leaves alone what is not its own."""
+        return (self.fmu.model.generationTool or "").startswith(_OURS)
 
     def get(self, references: Sequence[int], size: int, action: str = "get", type: str = "Float64") -> list[float]:
         """Get values of a numeric type, named as in `Port.type`; Boolean ones are 0 or 1."""
@@ -267,7 +303,7 @@ class Instance:
     @property
     def retries(self) -> bool:
         """Whether a step that is discarded is retried in smaller ones, for which the state is saved before each."""
-        return self.can_save and self.can_vary_step and not (self.fmu.model.generationTool or "").startswith(_OURS)
+        return self.can_save and self.can_vary_step and not self.ours
 
     @property
     def can_serialize(self) -> bool:
@@ -357,6 +393,7 @@ class Instance:
         self.call("initialisation", "exitInitializationMode")
         if self._events is not None:
             self._events.begin(self._start_time)
+        self._check()
 
     def abandon(self) -> None:
         """Never call it again: a call of it is still going on."""
@@ -369,9 +406,13 @@ class Instance:
             if self._stepper is not None:
                 self._stepper.close()
             if healthy:
+                self.begins("terminating")
                 with suppress(FMICallException):
                     self.handle.terminate()
+            self.begins("freeing")
             self.handle.freeInstance()
+            self._where.idle()
+            self._check()
         if self._callbacks is not None:
             _loggers.pop(self._callbacks.componentEnvironment, None)
 

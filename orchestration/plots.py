@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from orchestration.isolation.writing import replacing
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -202,8 +204,8 @@ def write_png(path: str | Path, panels: Sequence[Panel], title: str = "", column
         axes.set_axis_off()
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)  # type: ignore[union-attr,call-arg]
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, facecolor="white")
+    with replacing(path) as name:
+        figure.savefig(name, facecolor="white")
 
 
 def _draw(axes: Axes, panel: Panel) -> None:

@@ -14,6 +14,9 @@ from fmus.errors import AdcsError
 from orchestration.engine import Engine
 from orchestration.fmu import FmiVersion, Port
 from orchestration.instance import Instance, failing_at
+from orchestration.isolation.guard import Guard
+from orchestration.isolation.overstepping import overstepped
+from orchestration.isolation.where import Where
 from orchestration.loops import Loops, LoopSolver
 from orchestration.opening import initialised
 from orchestration.plan import Floats, make_plan
@@ -47,6 +50,9 @@ class CoSimulation:
 
     What is set after a point acts from there on: an input over the following step, and all that depends on it in other
     components from the next point.
+
+    The components live in this process: one that crashes takes it along. `run(..., isolated=True)` has them in one of
+    their own.
     """
 
     def __init__(
@@ -63,6 +69,8 @@ class CoSimulation:
         external: Sequence[str] = (),
         may_go_on: bool = False,
         solver: LoopSolver | None = None,
+        where: Where | None = None,
+        guard: Guard | None = None,
     ) -> None:
         """`record` names the variables of a row (None: all outputs); `external` inputs whose values come with steps.
 
@@ -75,7 +83,15 @@ class CoSimulation:
         stop_time = inf if may_go_on or steps == ENDLESS else start_time + steps * step
         with ExitStack() as stack:
             opened = initialised(
-                system, "co-simulation", start_time, stop_time, fmi_version, external=external, solver=solver
+                system,
+                "co-simulation",
+                start_time,
+                stop_time,
+                fmi_version,
+                external=external,
+                solver=solver,
+                where=where,
+                guard=guard,
             )
             self.instances: dict[str, Instance] = stack.enter_context(opened)
             components = system.components.values()
@@ -98,7 +114,9 @@ class CoSimulation:
                 rings=self.rings,
                 record_every=record_every,
                 solve=self._loops.solve,
+                where=where,
             )
+            self._guard = guard
             self.k = 0
             self._stack = stack.pop_all()
 
@@ -144,8 +162,14 @@ class CoSimulation:
 
     @property
     def warnings(self) -> list[str]:
-        """What the FMUs warned of."""
-        return [f"{i.name}: {text}" for i in self.instances.values() for text in i.warnings]
+        """What the FMUs warned of, and what they changed that was not theirs."""
+        told = [f"{i.name}: {text}" for i in self.instances.values() for text in i.warnings]
+        return told + overstepped(self.instances, self._guard, [self.loop])
+
+    def check(self) -> None:
+        """Look at what components may have changed of the process, if one was not built here."""
+        if self._guard is not None and not all(i.ours for i in self.instances.values()):
+            self._guard.check()
 
     @property
     def loop_reports(self) -> list[dict[str, Any]]:

@@ -124,6 +124,7 @@ class Stepper:
 
     def _do_step(self, time: float, step: float) -> tuple[bool, bool, float]:
         instance = self._instance
+        instance.begins("doStep")
         status = self._call(time, step)
         if status == PENDING and instance.asynchronous:
             status = self._wait()
@@ -150,6 +151,7 @@ class Stepper:
         return int(status)
 
     def _save(self) -> None:
+        self._instance.begins("saving the state")
         status = self._get_state()
         if status not in (0, 1):
             raise self._instance.failure("saving the state", status)

@@ -15,6 +15,9 @@ from fmus.errors import AdcsError
 from orchestration.engine import Engine
 from orchestration.fmu import FmiVersion
 from orchestration.instance import CallFailed, Instance, failing_at
+from orchestration.isolation.guard import Guard
+from orchestration.isolation.overstepping import overstepped
+from orchestration.isolation.where import Where
 from orchestration.loops import Loops, LoopSolver
 from orchestration.opening import initialised
 from orchestration.plan import Floats, Plan, make_plan
@@ -44,13 +47,19 @@ class CoupledModel:
         record: Sequence[str] | None = None,
         *,
         loops: LoopSolver | None = None,
+        where: Where | None = None,
+        guard: Guard | None = None,
     ) -> None:
         _refuse(system, fmi_version)
         recording = Recording(system, record, 1)
         self.system = system
         self.ports = recording.ports
         with ExitStack() as stack:
-            opened = initialised(system, "model-exchange", start_time, stop_time, fmi_version, solver=loops)
+            opened = initialised(
+                system, "model-exchange", start_time, stop_time, fmi_version, solver=loops, where=where, guard=guard
+            )
+            self._where, self._guard = where, guard
+            self._engines: list[Engine] = []
             self.instances = stack.enter_context(opened)
             fmus = {name: instance.fmu for name, instance in self.instances.items()}
             # in continuous-time mode only inputs of continuous variability may be set
@@ -79,7 +88,8 @@ class CoupledModel:
     def _bind(self, plan: Plan, solver: LoopSolver | None) -> Engine:
         loops = Loops(plan, self.instances, solver or LoopSolver())
         self._loops.append(loops)
-        return Engine(plan, self.instances, solve=loops.solve)
+        self._engines.append(Engine(plan, self.instances, solve=loops.solve, where=self._where))
+        return self._engines[-1]
 
     def __enter__(self) -> CoupledModel:
         return self
@@ -89,8 +99,9 @@ class CoupledModel:
 
     @property
     def warnings(self) -> list[str]:
-        """What the FMUs warned of."""
-        return [f"{i.name}: {text}" for i in self.instances.values() for text in i.warnings]
+        """What the FMUs warned of, and what they changed that was not theirs."""
+        told = [f"{i.name}: {text}" for i in self.instances.values() for text in i.warnings]
+        return told + overstepped(self.instances, self._guard, self._engines)
 
     @property
     def loop_reports(self) -> list[dict[str, Any]]:

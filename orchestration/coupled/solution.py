@@ -37,9 +37,9 @@ def couple(
     solution = Solution(model, grid.start, 1e-9 * grid.step, solver, rtol, atol)
     for k in range(grid.steps + 1):
         solution.reach(grid.time(k))
-        model.row(solution.time, solution.x, recording.data[k])
+        model.row(solution.time, solution.x, recording.room(1)[0])
         states[k] = solution.x
-        recording.filled = k + 1
+        recording.commit(1)
         progress((k + 1) / (grid.steps + 1))
 
 

@@ -247,21 +247,21 @@ def element_names(name: str, shape: tuple[int, ...]) -> list[str]:
 @contextmanager
 def extracted(fmu: Fmu, kind: Kind) -> Iterator[tuple[Path, Path]]:
     """Extract an FMU into a temporary folder that is removed at the end; yields the folder and the binary in it."""
-    with zipfile.ZipFile(fmu.path) as archive:
-        names = archive.namelist()
-        found = [binary for binary in fmu.binaries(kind) if str(binary) in names]
-        if not found:
-            folders = {PurePosixPath(n).parts[1] for n in names if n.startswith("binaries/") and n.count("/") >= 2}
-            raise AdcsError(
-                f"{fmu.path.name} has no binary for this platform ({fmu.binaries(kind)[0]} is missing, it has: "
-                f"{', '.join(sorted(folders)) or 'none'}): build it for this platform"
-            )
-        with temporary_folder("fmu") as folder:
+    with temporary_folder("fmu") as folder:
+        with zipfile.ZipFile(fmu.path) as archive:
+            names = archive.namelist()
+            found = [binary for binary in fmu.binaries(kind) if str(binary) in names]
+            if not found:
+                folders = {PurePosixPath(n).parts[1] for n in names if n.startswith("binaries/") and n.count("/") >= 2}
+                raise AdcsError(
+                    f"{fmu.path.name} has no binary for this platform ({fmu.binaries(kind)[0]} is missing, it has: "
+                    f"{', '.join(sorted(folders)) or 'none'}): build it for this platform"
+                )
             try:
                 archive.extractall(folder, [n for n in names if not n.startswith(_NOT_FOR_RUNNING)])
             except Exception as error:  # of zipfile, zlib or the file system
                 raise AdcsError(f"{fmu.path} cannot be extracted ({_one_line(error)}): {_AGAIN}") from error
-            yield folder, folder / found[0]
+        yield folder, folder / found[0]
 
 
 def _archive_names(path: Path) -> list[str]:

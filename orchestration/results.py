@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.io
 
 from fmus.errors import AdcsError
 from orchestration.fmu import Port, element_names
@@ -140,6 +139,8 @@ class Result:
             field_ = _matlab_name(variable, taken.setdefault(component, {}))
             tree.setdefault(struct, {})[field_] = self[name]
             units.setdefault(struct, {})[field_] = port.unit or ""
+        import scipy.io  # here, since a run in a process of its own needs none
+
         content = {**tree, "units": units}
         with replacing(path if str(path).endswith(".mat") else f"{path}.mat") as to:
             scipy.io.savemat(to, content, appendmat=False, long_field_names=True, oned_as="column")

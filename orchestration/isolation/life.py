@@ -53,22 +53,28 @@ def watched_life(
             raise KeyboardInterrupt
         try:
             yield made, watched
-        except Hung as hung:
-            for instance in made.instances.values():
-                instance.abandon()
-            _GIVEN_UP.append(made)
-            made.__exit__(Hung, None, None)
-            raise _interrupted_or(hung_failure(hung, timeout), watched) from None
         except BaseException as error:
-            with suppress(Hung):
-                watched(partial(made.__exit__, type(error), error, None))
+            if watched.lost:
+                for instance in made.instances.values():
+                    instance.abandon()
+                _GIVEN_UP.append(made)
+                where.idle()
+                made.__exit__(type(error), error, None)
+            else:
+                with suppress(Hung):
+                    watched(partial(made.__exit__, type(error), error, None))
+            if isinstance(error, Hung):
+                raise _interrupted_or(hung_failure(error, timeout), watched) from None
             raise
         where.finish()
         try:
             watched(partial(made.__exit__, None, None, None))
         except Hung as hung:
             _GIVEN_UP.append(made)
-            account.setdefault("warnings", []).append(str(hung_failure(hung, timeout)))
+            where.idle()
+            account.setdefault("warnings", []).append(f"{hung_failure(hung, timeout)}; all rows are there")
+        except Exception as error:  # whatever it is, the run is over
+            account.setdefault("warnings", []).append(f"at the end of the run: {' '.join(str(error).split())}")
         else:
             account["warnings"] = made.warnings
     finally:

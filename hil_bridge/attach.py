@@ -278,7 +278,7 @@ class Recorder:
     def report(self) -> dict[str, Any]:
         """Return what the manifest of the run is to have."""
         self._log.close(_ending(sys.exc_info()[1]))
-        return {"tlog": self._log.path}
+        return {"tlog": self._log.path, **({"tlog_failed": self._log.failed} if self._log.failed else {})}
 
     def __enter__(self) -> Recorder:
         return self

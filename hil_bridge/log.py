@@ -46,6 +46,11 @@ class Logbook:
         state = self._vehicle.state
         return self._vehicle.scene.earth.unix_time(self._vehicle.settings.start if state is None else state.t)
 
+    @property
+    def failed(self) -> str:
+        """Why the log ends before the run, if it does."""
+        return self._writer.failed
+
     def close(self) -> int:
         """Close the file; return how many frames are in it."""
         self._writer.close()
@@ -63,6 +68,11 @@ class Log:
         self._watch = Watch(Limits(saturated=settings.wheel_limit))
         self._book = Logbook(Path(settings.tlog), self._vehicle)
         self._book.say([*self._vehicle.banner(), *self._vehicle.all_parameters(), *self._vehicle.text("Run started")])
+
+    @property
+    def failed(self) -> str:
+        """Why the log ends before the run, if it does."""
+        return self._book.failed
 
     def point(self, snapshot: Snapshot) -> None:
         """Log a point of the run."""

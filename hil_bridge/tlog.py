@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 
@@ -16,7 +17,10 @@ _SIGNED, _SIGNATURE = 0x01, 13
 
 
 class TlogWriter:
-    """Writes a log. What is written is in the file after each `flush`."""
+    """Writes a log. What is written is in the file after each `flush`.
+
+    A disk that is full costs the rest of the log, not the run: `failed` says why it ends.
+    """
 
     def __init__(self, path: Path) -> None:
         try:
@@ -26,20 +30,32 @@ class TlogWriter:
             raise AdcsError(f"cannot write {path}: {error.strerror}") from None
         self._last = 0
         self.frames = 0
+        self.failed = ""
 
     def write(self, unix_time: float, frame: bytes) -> None:
         """Add a frame; times never go back."""
         self._last = max(self._last, microseconds(unix_time))
-        self._file.write(self._last.to_bytes(8, "big") + frame)
-        self.frames += 1
+        if self._tried(lambda: self._file.write(self._last.to_bytes(8, "big") + frame)):
+            self.frames += 1
 
     def flush(self) -> None:
         """Hand all to the file."""
-        self._file.flush()
+        self._tried(self._file.flush)
 
     def close(self) -> None:
         """Close the file."""
-        self._file.close()
+        self._tried(self._file.close)
+
+    def _tried(self, action: Callable[[], object]) -> bool:
+        """Whether it went well; once it has not, nothing is tried any more."""
+        if not self.failed:
+            try:
+                action()
+            except OSError as error:
+                self.failed = error.strerror or str(error)
+                with suppress(OSError):
+                    self._file.close()
+        return not self.failed
 
     def __enter__(self) -> TlogWriter:
         return self

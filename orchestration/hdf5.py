@@ -20,7 +20,7 @@ from orchestration.schedule import split
 from orchestration.system import System
 
 _BUFFER = 2**23  # values that are collected before they are written
-_INDEX, _DATASET, _SPARE = 256, 8192, 2**20  # bytes that HDF5 takes for a chunk, for a dataset, and once
+_INDEX, _DATASET, _SPARE = 256, 8192, 2**17  # bytes that HDF5 takes for a chunk, for a dataset, and once
 
 
 class FileRecording(Recording):
@@ -50,6 +50,10 @@ class FileRecording(Recording):
         self._used += rows
         self.filled += rows
 
+    def flush(self) -> None:
+        """Write what is kept; AdcsError if the disk is full, and what fitted is kept."""
+        self._flush()
+
     def close(self, times: Floats, manifest: Mapping[str, Any]) -> None:
         """Write the times and what is known about the run, and close the file."""
         self._flush().close(times, manifest)
@@ -60,12 +64,18 @@ class FileRecording(Recording):
             if self.path.is_symlink():  # it is replaced, not followed
                 self.path.unlink()
             self._open = _File(self.path, self.ports)
-        used, self._used = self._used, 0
-        try:
-            self._open.append(self._buffer[:used])
-        except AdcsError:  # the disk is full: what is there stays
-            self.filled -= used
-            raise
+        done, piece = 0, max(1, self._used)
+        while done < self._used:
+            try:
+                self._open.append(self._buffer[done : min(done + piece, self._used)])
+                done += piece
+            except AdcsError:  # the disk is full: what fits is kept
+                if piece == 1:
+                    self.filled -= self._used - done
+                    self._used = 0
+                    raise
+                piece = max(1, piece // 4)
+        self._used = 0
         return self._open
 
 
@@ -108,7 +118,7 @@ def write(result: Result, path: str | Path) -> None:
     check(Path(path), result.ports)
     rows = max(1, _BUFFER // max(1, sum(port.size for port in result.ports.values())))
     with replacing(path) as name:
-        file = _File(name, result.ports)
+        file = _File(name, result.ports, path)
         try:
             for first in range(0, len(result.time), rows):
                 file.append(result.block(first, min(first + rows, len(result.time))))
@@ -129,14 +139,15 @@ def check(path: Path, ports: Mapping[str, Port]) -> None:
 
 
 class _File:
-    def __init__(self, path: Path, ports: Mapping[str, Port]) -> None:
+    def __init__(self, path: Path, ports: Mapping[str, Port], shown: str | Path | None = None) -> None:
         self._ports = ports
         self._rows = 0
+        shown = shown or path
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._disk = Disk(path)
+            self._disk = Disk(path, shown)
         except OSError as error:
-            raise AdcsError(f"cannot write {path}: {error.strerror or error}") from error
+            raise AdcsError(f"cannot write {shown}: {error.strerror or error}") from error
         self._file = h5py.File(self._disk, "w")
         for name, port in ports.items():
             made = self._file.create_dataset(

@@ -211,6 +211,8 @@ def run(
                         manifest["algebraic_loops"] = model.loop_reports
                 if watched.interrupted:
                     raise KeyboardInterrupt
+        if isinstance(recording, FileRecording):
+            recording.flush()
     except CallFailed as error:
         if error.time is None and clock.running:  # it hung in model-exchange
             error.time = float(times[max(recording.filled - 1, 0)])

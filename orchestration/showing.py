@@ -87,7 +87,16 @@ def _error_table(errors: Estimate) -> report.Table:
 
 def as_json(result: Result, numbers: Sequence[report.KeyNumber], files: Sequence[Path]) -> str:
     """Return key numbers, outcome and files for a program."""
-    optional = ("real_time", "algebraic_loops", "adaptive", "error_estimate", "commands", "mavlink", "tlog")
+    optional = (
+        "real_time",
+        "algebraic_loops",
+        "adaptive",
+        "error_estimate",
+        "commands",
+        "mavlink",
+        "tlog",
+        "tlog_failed",
+    )
     content: dict[str, Any] = {
         "system": result.system.name,
         "outcome": result.manifest["outcome"],
@@ -133,6 +142,8 @@ def _lines(result: Result) -> list[str]:
     manifest = result.manifest
     lines = []
     lines += [f"warning: {text}" for text in manifest.get("warnings", [])]
+    if "tlog_failed" in manifest:
+        lines.append(f"warning: {manifest['tlog']} ends before the run: {manifest['tlog_failed']}")
     timing = manifest["timing"]
     if timing.get("simulated_s_per_cpu_s"):
         lines.append(

@@ -15,9 +15,10 @@ class Disk(io.RawIOBase):
     What comes after a write that failed is kept in memory, so that HDF5 can close the file in peace.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, shown: str | Path | None = None) -> None:
+        """`shown` is what errors call it."""
         super().__init__()
-        self._path = path
+        self._path = shown or path
         self._file = path.open("w+b", buffering=0)
         self._place = self._reserved = self._used = 0
         self._failed: OSError | None = None

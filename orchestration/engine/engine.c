@@ -119,9 +119,9 @@ typedef struct {
  * threads. Larger in Python, which notes its own calls behind it. */
 typedef struct {
     volatile int64_t k;
-    volatile int64_t rows;             /* that are complete */
-    volatile int64_t count;            /* goes up whenever the engine is called */
-    volatile int32_t doing, component; /* the call that is going on; IDLE: none */
+    volatile int64_t rows;  /* that are complete */
+    volatile int64_t count; /* goes up whenever the engine is called */
+    volatile uint64_t now;  /* the call that is going on, IDLE if none; in the upper half, its component */
 } Where;
 
 enum { IDLE = -1 };
@@ -284,8 +284,7 @@ static size_t unpack(int32_t type, const void* raw, size_t n, double* values) {
 }
 
 static void at(Plan* plan, int32_t doing, size_t component) {
-    plan->where->doing = doing;
-    plan->where->component = (int32_t)component;
+    plan->where->now = (uint32_t)doing | (uint64_t)component << 32; /* in one piece, for who reads it meanwhile */
 }
 
 static bool execute(Plan* plan, size_t index, double time) {
@@ -376,7 +375,7 @@ static void begin(Plan* plan) {
 }
 
 static bool end(Plan* plan, bool well) {
-    plan->where->doing = IDLE;
+    at(plan, IDLE, 0);
     return well;
 }
 
@@ -453,7 +452,7 @@ static bool evaluate(Plan* plan, double time, const double* states, double* deri
         look_after(plan, c);
         if (!good(status)) return fail(plan, STATUS, SET_TIME, i, 0, status, 0);
         if (c->n_states == 0) continue;
-        plan->where->doing = SET_STATES;
+        at(plan, SET_STATES, i);
         status = c->set_states(c->instance, x, c->n_states);
         look_after(plan, c);
         if (!good(status)) return fail(plan, STATUS, SET_STATES, i, 0, status, 0);

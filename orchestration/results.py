@@ -142,8 +142,8 @@ class Result:
         import scipy.io  # here, since a run in a process of its own needs none
 
         content = {**tree, "units": units}
-        with replacing(path if str(path).endswith(".mat") else f"{path}.mat") as to:
-            scipy.io.savemat(to, content, appendmat=False, long_field_names=True, oned_as="column")
+        with replacing(path if str(path).endswith(".mat") else f"{path}.mat") as to, to.open("wb") as file:
+            scipy.io.savemat(file, content, long_field_names=True, oned_as="column")
 
     def write_hdf5(self, path: str | Path) -> None:
         """Write one dataset per variable, `/plant/q_BN` (rows, *shape), with its unit and description; and `/time`."""

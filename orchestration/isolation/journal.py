@@ -113,19 +113,25 @@ class Journal:
         self.where.at_finish = lambda: self.note(manifest)
         self._head.magic = _MAGIC
 
+    def room(self, rows: int) -> int:
+        """How many rows there is disk space for after so many, and at least one: `reserve` says if there is none."""
+        size = self._width * 8
+        if self._rows_at + (rows + 1) * size > self._taken:
+            piece = _PIECE
+            while piece >= _PAGE:
+                with suppress(OSError):
+                    self._take(min(max(self._taken, _pages(self._rows_at + rows * size)) + piece, self._end))
+                    break
+                piece //= 2
+        return max(1, (self._taken - self._rows_at) // max(size, 1) - rows)
+
     def reserve(self, rows: int) -> None:
         """Make sure that there is disk space for so many rows; AdcsError if there is not."""
         end = self._rows_at + rows * self._width * 8
         if end > self._taken:
             try:
-                self._take(min(max(_pages(end), self._taken + _PIECE), self._end))
+                self._take(min(_pages(end), self._end))
             except OSError as error:
-                if end < self._taken + _PIECE:  # the last piece of the disk
-                    try:
-                        self._take(_pages(end))
-                        return
-                    except OSError:
-                        pass
                 raise self._refused(error, "another row") from error
 
     def note(self, notes: dict[str, Any]) -> None:
@@ -170,6 +176,11 @@ class JournalRecording(Recording):
     def __init__(self, system: System, record: Sequence[str] | None, journal: Journal) -> None:
         super().__init__(system, record)
         self._journal = journal
+
+    @property
+    def capacity(self) -> int:
+        """The most rows for which there is room at once."""
+        return self._journal.room(self.filled)
 
     def room(self, rows: int) -> Floats:
         """The next rows, to be filled."""

@@ -8,11 +8,11 @@ BIN := $(VENV)/bin
 SOURCES_CXX = $(shell git ls-files '*.hpp' '*.cpp' 'orchestration/engine/*.c' 'orchestration/engine/*.h')
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format fmus check bench sanitize lock clean
+.PHONY: help demo test lint format fmus check bench attack sanitize lock clean
 
 help:
 	@sed -n 's/^# \{0,1\}//p' Makefile | head -3
-	@echo "make lint (needs a C++ compiler) | format | fmus (all platforms; COMPONENTS="RigidBody ..." for some) | check | sanitize (needs a C++ compiler) | bench | lock | clean"
+	@echo "make lint (needs a C++ compiler) | format | fmus (all platforms; COMPONENTS="RigidBody ..." for some) | check | sanitize (needs a C++ compiler) | bench | attack | lock | clean"
 
 $(VENV)/installed: requirements/run.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed, this is " + sys.version.split()[0] + "; try: make PYTHON=python3.12" if sys.version_info < (3, 11) else 0)'
@@ -67,6 +67,12 @@ bench: $(VENV)/installed-dev
 	$(BIN)/python -m benchmarks.backstepping
 	$(BIN)/python -m benchmarks.lockstep
 	$(BIN)/python -m benchmarks.mavlink
+	$(BIN)/python -m benchmarks.isolation
+
+# What survives: the table of docs/robustness.md. Small disks are made by root only.
+attack: $(VENV)/installed-dev
+	$(BIN)/adcs build
+	$(BIN)/python -m tests.robustness
 
 # Names, versions and hashes of everything that is installed, for all platforms and Python versions.
 lock:

@@ -60,8 +60,9 @@ class RunFiles:
         """Write the files; AdcsError says where the rows are, should one of them fail."""
         try:
             files = write_files(result, self.folder, self._formats)
-        except AdcsError as error:
-            raise AdcsError(f"{error}; {kept_in(self.folder, len(result.time))}") from error
+        except (AdcsError, KeyboardInterrupt) as error:
+            reason = str(error) or "interrupted while the files were written"
+            raise AdcsError(f"{reason}; {kept_in(self.folder, len(result.time))}") from error
         self._written = True
         self.journal.close(remove=True)
         if not stopped:

@@ -67,7 +67,7 @@ class Course:
     resume: Checkpoint | None = None
     watchers: Sequence[Watcher] = ()
     where: Where = field(default_factory=Where)
-    guard: Guard = field(default_factory=Guard)
+    guard: Guard | None = None
 
 
 def cosimulate(

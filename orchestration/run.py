@@ -233,7 +233,7 @@ def run(
     except KeyboardInterrupt as error:
         raise RunInterrupted(result({"status": "interrupted"})) from error
     finally:
-        guard.__exit__()
+        guard.close()
     return result({"status": "complete", **({"met": manifest.pop("stopped")} if "stopped" in manifest else {})})
 
 

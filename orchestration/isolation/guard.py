@@ -9,7 +9,7 @@ import signal
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 _KEPT_FROM = 200  # descriptors that are kept aside are moved here, out of the way of one that closes "all" of them
 
@@ -27,7 +27,7 @@ class Floats(Protocol):
 
 
 class Guard:
-    """Looks after the process during a run; a context manager.
+    """Looks after the process during a run; `close` it at the end.
 
     `changes` says who has changed what, each once: pairs of a component, empty if it is not known, and a sentence.
     `printed`, if given, is asked for what came to the standard output.
@@ -43,10 +43,8 @@ class Guard:
         self._handlers = _Handlers()
         self._standard = _Standard()
 
-    def __enter__(self) -> Guard:
-        return self
-
-    def __exit__(self, *error: Any) -> None:
+    def close(self) -> None:
+        """Give back what was kept for changing things back."""
         self._standard.close()
 
     def thread(self, component: str) -> None:
@@ -134,6 +132,9 @@ class _Standard:
         for number in range(3):
             with suppress(OSError):
                 self._copies[number] = fcntl.fcntl(number, fcntl.F_DUPFD_CLOEXEC, _KEPT_FROM)
+
+    def __del__(self) -> None:  # of a run that did not get to its end
+        self.close()
 
     def restore(self) -> list[str]:
         changed = []

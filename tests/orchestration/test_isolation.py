@@ -44,6 +44,11 @@ def test_a_component_that_ends_its_process_is_named_and_the_rows_are_kept(mock, 
     assert result.manifest["outcome"]["component"] == name
 
 
+def test_one_that_dies_while_it_is_stepped_from_python_is_named(mock):
+    with pytest.raises(RunFailed, match=f"failed at t = 0.5 s: doStep ended the process: {SEGFAULT}; 6 rows are kept$"):
+        run(system(mock, "segfault_doStep"), **TIMES, isolated=True, stepping="python")
+
+
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 def test_one_that_dies_before_the_run_has_begun_is_named(mock, version):
     with pytest.raises(
@@ -219,7 +224,7 @@ def _rows(folder) -> int:
         return 0
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_signals_end_a_run_with_its_files_written(mock, tmp_path, number):
     as_file(mock, tmp_path, "signals_doStep")  # which takes them for itself
     pace = ("--real-time", 1, "--stop", 1000)

@@ -7,7 +7,6 @@ import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 from lxml import etree
@@ -47,14 +46,8 @@ class Extras:
     starts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
-def read_xml(path: Path) -> Any:
-    """Return the root of the modelDescription.xml of an FMU."""
-    with zipfile.ZipFile(path) as archive:
-        return etree.fromstring(archive.read("modelDescription.xml"))
-
-
-def for_fmpy(path: Path, root: Any) -> str | io.BytesIO:
-    """Return what fmpy can read of an FMU, without what it stumbles over though it is valid.
+def for_fmpy(content: bytes, root: Any) -> io.BytesIO:
+    """Return an archive of what fmpy can read of a description: without what it stumbles over though it is valid.
 
     That is a declared type of a clock, and more than one space between the entries of a list.
     """
@@ -67,12 +60,33 @@ def for_fmpy(path: Path, root: Any) -> str | io.BytesIO:
             if text is not None and text != " ".join(text.split()):
                 element.set(name, " ".join(text.split()))
                 cleaned = True
-    if not cleaned:
-        return str(path)
-    content = io.BytesIO()
-    with zipfile.ZipFile(content, "w") as archive:
-        archive.writestr("modelDescription.xml", etree.tostring(root))
-    return content
+    archive = io.BytesIO()
+    with zipfile.ZipFile(archive, "w") as writer:
+        writer.writestr("modelDescription.xml", etree.tostring(root) if cleaned else content)
+    archive.seek(0)
+    return archive
+
+
+def check_structure(root: Any) -> None:
+    """Refuse by name (ValueError) a model structure that speaks of variables that are not there, or are no derivatives.
+
+    What the schema sees, which is applied later, is not looked at here.
+    """
+    third = root.get("fmiVersion") == "3.0"
+    variables = [element for element in root.iterfind("ModelVariables/*") if isinstance(element.tag, str)]
+    known = {e.get("valueReference"): e for e in variables} if third else {str(i): e for i, e in enumerate(variables, 1)}
+    what = "value reference" if third else "index"
+    for unknown in root.iterfind("ModelStructure/*" if third else "ModelStructure/*/Unknown"):
+        if not isinstance(unknown.tag, str):
+            continue
+        own = unknown.get("valueReference" if third else "index", "").strip()
+        for number in (own, *unknown.get("dependencies", "").split()):
+            if number.isdecimal() and str(int(number)) not in known:
+                raise ValueError(f"ModelStructure, line {unknown.sourceline}: no variable has the {what} {number}")
+        derivative = unknown.tag == "ContinuousStateDerivative" or unknown.getparent().tag == "Derivatives"
+        if derivative and own in known and not any(e.get("derivative") for e in known[own].iter()):
+            name = known[own].get("name")
+            raise ValueError(f"ModelStructure, line {unknown.sourceline}: {name} is said to be a derivative, but of none")
 
 
 def read_extras(root: Any) -> Extras:

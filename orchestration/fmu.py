@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-import posixpath
 import re
 import tempfile
-import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -20,8 +18,17 @@ import fmpy
 from fmpy.model_description import ModelDescription, ModelVariable, ValidationError
 
 from fmus import paths
+from fmus.archive import LARGEST_XML, Archive
 from fmus.errors import AdcsError
-from orchestration.description import Clock, Extras, directional_derivatives, for_fmpy, read_extras, read_xml
+from fmus.xml import parse
+from orchestration.description import (
+    Clock,
+    Extras,
+    check_structure,
+    directional_derivatives,
+    for_fmpy,
+    read_extras,
+)
 from orchestration.feedthrough import Feedthrough
 
 FmiVersion = Literal["2.0", "3.0"]
@@ -33,11 +40,8 @@ _FMI3_TYPES = {"Enumeration": "Int64"}
 
 _NOT_FOR_RUNNING = ("sources/", "documentation/", "terminalsAndIcons/")
 _AGAIN = "build or download it again"
+_MOST_ELEMENTS = 1_000_000  # of an array
 _ELEMENT = re.compile(r"(der\()?(?P<base>.+)\[(?P<index>\d+(?:\s*,\s*\d+)*)\](?(1)\))")
-
-
-class _Unsupported(Exception):
-    """A version of FMI that cannot be run."""
 
 
 @dataclass(frozen=True)
@@ -140,6 +144,11 @@ class Fmu:
                 shape = tuple(
                     sizes.get(d.valueReference, n) for d, n in zip(variable.dimensions, old.shape, strict=True)
                 )
+                if prod(shape) > _MOST_ELEMENTS:
+                    raise AdcsError(
+                        f"{variable.name} would have {prod(shape):,} elements, more than {_MOST_ELEMENTS:,}: "
+                        "choose a smaller size"
+                    )
                 values = set(old.start or ())
                 same = tuple(values) * prod(shape) if len(values) == 1 else None
                 ports[old.name] = replace(old, shape=shape, start=same)
@@ -192,37 +201,43 @@ def open_fmu(path: Path) -> Fmu:
 
 @lru_cache(maxsize=64)
 def _open(path: Path, modified: int, size: int) -> Fmu:
-    names = _archive_names(path)
-    if "modelDescription.xml" not in names:
-        raise AdcsError(f"{path} has no modelDescription.xml: it is no FMU")
+    with Archive(path) as archive:
+        if "modelDescription.xml" not in archive.names:
+            raise AdcsError(f"{path} has no modelDescription.xml: it is no FMU")
+        content = archive.read("modelDescription.xml", LARGEST_XML)
+    xml = parse(content, f"modelDescription.xml of {path}")
+    version = xml.get("fmiVersion")
+    if version not in ("2.0", "3.0"):
+        raise AdcsError(f"{path} is FMI {version}: only 2.0 and 3.0 are supported")
     try:
-        xml = read_xml(path)
-        version = xml.get("fmiVersion")
-        if version not in ("2.0", "3.0"):
-            raise _Unsupported
-        model = fmpy.read_model_description(for_fmpy(path, xml))
-    except _Unsupported:
-        raise AdcsError(f"{path} is FMI {version}: only 2.0 and 3.0 are supported") from None
+        check_structure(xml)
+        model = fmpy.read_model_description(for_fmpy(content, xml))
+        extras = read_extras(xml) if model.fmiMajorVersion == 3 else Extras()
+        ports, node_of = _unite(model, extras)
+        return Fmu(
+            path=path,
+            sha256=_sha256(path),
+            model=model,
+            ports=ports,
+            node_of=node_of,
+            states=_states(model, ports),
+            directional=directional_derivatives(xml),
+            clocks=extras.clocks,
+            clocked=extras.clocked,
+        )
     except ValidationError as error:
         raise AdcsError(f"{path} is not valid: {_one_line(error.problems[0])}") from error
-    except Exception as error:  # of zipfile, zlib, lxml or fmpy
-        raise AdcsError(f"cannot read modelDescription.xml of {path} ({_one_line(error)}): {_AGAIN}") from error
-    extras = read_extras(xml) if model.fmiMajorVersion == 3 else Extras()
-    try:
-        ports, node_of = _unite(model, extras)
+    except OSError as error:
+        raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
     except ValueError as error:
-        raise AdcsError(f"{path} is not valid: {error}") from error
-    return Fmu(
-        path=path,
-        sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
-        model=model,
-        ports=ports,
-        node_of=node_of,
-        states=_states(model, ports),
-        directional=directional_derivatives(xml),
-        clocks=extras.clocks,
-        clocked=extras.clocked,
-    )
+        raise AdcsError(f"{path} is not valid: {_one_line(error)}") from error
+    except Exception as error:  # what fmpy lets out, and what is wrong in a way that no check here has thought of
+        raise AdcsError(f"cannot read modelDescription.xml of {path} ({_one_line(error)}): {_AGAIN}") from error
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _states(model: ModelDescription, ports: Mapping[str, Port]) -> tuple[str, ...]:
@@ -247,8 +262,8 @@ def element_names(name: str, shape: tuple[int, ...]) -> list[str]:
 @contextmanager
 def extracted(fmu: Fmu, kind: Kind) -> Iterator[tuple[Path, Path]]:
     """Extract an FMU into a temporary folder that is removed at the end; yields the folder and the binary in it."""
-    with zipfile.ZipFile(fmu.path) as archive:
-        names = archive.namelist()
+    with Archive(fmu.path) as archive:
+        names = archive.names
         found = [binary for binary in fmu.binaries(kind) if str(binary) in names]
         if not found:
             folders = {PurePosixPath(n).parts[1] for n in names if n.startswith("binaries/") and n.count("/") >= 2}
@@ -257,23 +272,8 @@ def extracted(fmu: Fmu, kind: Kind) -> Iterator[tuple[Path, Path]]:
                 f"{', '.join(sorted(folders)) or 'none'}): build it for this platform"
             )
         with tempfile.TemporaryDirectory(prefix="adcs-fmu-", ignore_cleanup_errors=True) as folder:
-            try:
-                archive.extractall(folder, [n for n in names if not n.startswith(_NOT_FOR_RUNNING)])
-            except Exception as error:  # of zipfile, zlib or the file system
-                raise AdcsError(f"{fmu.path} cannot be extracted ({_one_line(error)}): {_AGAIN}") from error
+            archive.extract(Path(folder), [n for n in names if not n.startswith(_NOT_FOR_RUNNING)])
             yield Path(folder), Path(folder) / found[0]
-
-
-def _archive_names(path: Path) -> list[str]:
-    try:
-        with zipfile.ZipFile(path) as archive:
-            for name in archive.namelist():
-                # zipfile would quietly put such members elsewhere; an FMU with them is not to be trusted
-                if "\\" in name or ":" in name or name.startswith("/") or posixpath.normpath(name).startswith(".."):
-                    raise AdcsError(f"{path} holds the path {name!r} that leads outside the archive: refused")
-            return archive.namelist()
-    except (zipfile.BadZipFile, OSError, ValueError) as error:
-        raise AdcsError(f"{path} is not a readable zip archive ({_one_line(error)}): {_AGAIN}") from error
 
 
 def _unite(model: ModelDescription, extras: Extras) -> tuple[dict[str, Port], dict[str, str]]:
@@ -290,6 +290,8 @@ def _unite(model: ModelDescription, extras: Extras) -> tuple[dict[str, Port], di
     for base, members in groups.items():
         shape = members[0].shape if not fmi2 else _shape(members)
         scalars = shape is None or (base in taken and len(members) > 1)
+        if prod(shape or ()) > _MOST_ELEMENTS:
+            raise ValueError(f"{base} has {prod(shape or ()):,} elements, more than {_MOST_ELEMENTS:,}: not supported")
         for name, variables in [(v.name, [v]) for v in members] if scalars else [(base, members)]:
             ports[name] = _port(name, () if shape is None or scalars else shape, variables, fmi2, extras)
             node_of.update(zip((v.name for v in variables), ports[name].nodes, strict=True))
@@ -303,6 +305,8 @@ def _shape(members: list[ModelVariable]) -> tuple[int, ...] | None:
         return ()
     indices = [tuple(int(i) for i in m["index"].split(",")) for m in matches if m is not None]
     shape = indices[-1] if indices else ()
+    if prod(shape) != len(members):  # before as many are counted as an index says
+        return None
     first = members[0]
     alike = all(
         (v.type, v.unit, v.causality, v.variability, v.initial, v.start is None)

@@ -11,7 +11,7 @@ import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration.fmu import Port, open_fmu
-from orchestration.ssp.archive import STRUCTURE, Archive, Home
+from orchestration.ssp.archive import STRUCTURE, Home, SspArchive
 from orchestration.ssp.documents import tag, version_of, whole_number
 from orchestration.ssp.experiment import read_experiment
 from orchestration.ssp.flat import connect, make_wires
@@ -45,14 +45,15 @@ def read_ssp(path: str | Path, *, structure: str = STRUCTURE, ignore_unknown_par
     anything that cannot be run as the file says.
     """
     path = Path(path)
-    with Archive(path) as archive:
+    with SspArchive(path) as archive:
         try:
             return _read(path, archive, structure, refuse_unknown=not ignore_unknown_parameters)
         except AdcsError as error:
-            raise AdcsError(f"{path.name}: {' '.join(str(error).split())}") from error
+            text = " ".join(str(error).split()).removeprefix(f"{path}: ")
+            raise AdcsError(f"{path.name}: {text}") from error
 
 
-def _read(path: Path, archive: Archive, structure: str, *, refuse_unknown: bool) -> SspFile:
+def _read(path: Path, archive: SspArchive, structure: str, *, refuse_unknown: bool) -> SspFile:
     home = Home(archive, archive.locate(structure, "the system structure"))
     document = home.document()
     root = read_structure(home)

@@ -82,7 +82,7 @@ def test_invalid_model_description(mock, tmp_path):
 
 def test_malformed_xml(mock, tmp_path):
     path = edited(mock("gain"), tmp_path / "malformed.fmu", xml=("</fmiModelDescription>", ""))
-    assert "cannot read modelDescription.xml of " in refused(path)
+    assert f"modelDescription.xml of {path} is not well-formed XML" in refused(path)
 
 
 def test_no_binary_for_this_platform(mock, version, tmp_path):

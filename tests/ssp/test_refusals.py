@@ -282,15 +282,15 @@ DOCUMENTS = {
     "version": (ssd(GOOD, version="3.0").encode(), "is of SSP version '3.0': only 1.0 and 2.0 are supported"),
     "bomb": (
         ssd(GOOD).replace("\n", f"\n{BOMB}]>", 1).replace('name="root"', 'name="&a11;"').encode(),
-        "has a document type declaration, which SSP does not use",
+        "has a document type declaration, which FMI and SSP do not use",
     ),
     "external entity": (
         ssd(GOOD).replace("\n", '\n<!DOCTYPE x [<!ENTITY e SYSTEM "file:///etc/passwd">]>', 1).encode(),
-        "has a document type declaration, which SSP does not use",
+        "has a document type declaration, which FMI and SSP do not use",
     ),
     "hidden declaration": (
         '<?xml version="1.0" encoding="UTF-7"?>\n+ADwAIQ-DOCTYPE x+AD4- <x/>'.encode("ascii"),
-        "is not well-formed XML",
+        "is in utf-7, expected UTF-8",
     ),
     "deep": (("<a>" * 5000).encode(), "is not well-formed XML"),
     "times": (ssd(GOOD, more='<ssd:DefaultExperiment stopTime="INF"/>').encode(), "stopTime = inf: expected a number"),
@@ -330,7 +330,7 @@ class TestArchives:
     def test_no_zip(self, tmp_path):
         path = tmp_path / "no.ssp"
         path.write_text("no zip")
-        assert "is no SSP, it is not a zip archive" in refusal(path)
+        assert "is not a readable zip archive" in refusal(path)
 
     def test_no_structure(self, package):
         assert "it has no SystemStructure.ssd at its root: pack it there" in refusal(package(None))
@@ -346,7 +346,7 @@ class TestArchives:
     def test_cut_short(self, package):
         path = package(ssd(GOOD))
         path.write_bytes(path.read_bytes()[:100])
-        assert "is no SSP, it is not a zip archive" in refusal(path)
+        assert "is not a readable zip archive" in refusal(path)
 
     def test_damaged(self, package):
         path = package(ssd(GOOD))

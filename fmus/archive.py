@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 from types import TracebackType
+from typing import Self
 
 from fmus.errors import AdcsError
 
@@ -49,7 +50,7 @@ class Archive:
             self._zip.close()
             raise
 
-    def __enter__(self) -> Archive:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
@@ -73,7 +74,9 @@ class Archive:
         """Return the content of a member, of at most `largest` bytes."""
         info = self._zip.getinfo(member)
         if info.file_size > largest:
-            raise AdcsError(f"{self.path}: {member} has {info.file_size:,} bytes unpacked, more than {largest:,}: refused")
+            raise AdcsError(
+                f"{self.path}: {member} has {info.file_size:,} bytes unpacked, more than {largest:,}: refused"
+            )
         try:
             return self._zip.read(info)  # never more than the size that the directory says
         except Exception as error:  # of zipfile, zlib or the file system

@@ -74,7 +74,9 @@ def check_structure(root: Any) -> None:
     """
     third = root.get("fmiVersion") == "3.0"
     variables = [element for element in root.iterfind("ModelVariables/*") if isinstance(element.tag, str)]
-    known = {e.get("valueReference"): e for e in variables} if third else {str(i): e for i, e in enumerate(variables, 1)}
+    known = (
+        {e.get("valueReference"): e for e in variables} if third else {str(i): e for i, e in enumerate(variables, 1)}
+    )
     what = "value reference" if third else "index"
     for unknown in root.iterfind("ModelStructure/*" if third else "ModelStructure/*/Unknown"):
         if not isinstance(unknown.tag, str):
@@ -86,7 +88,9 @@ def check_structure(root: Any) -> None:
         derivative = unknown.tag == "ContinuousStateDerivative" or unknown.getparent().tag == "Derivatives"
         if derivative and own in known and not any(e.get("derivative") for e in known[own].iter()):
             name = known[own].get("name")
-            raise ValueError(f"ModelStructure, line {unknown.sourceline}: {name} is said to be a derivative, but of none")
+            raise ValueError(
+                f"ModelStructure, line {unknown.sourceline}: {name} is said to be a derivative, but of none"
+            )
 
 
 def read_extras(root: Any) -> Extras:

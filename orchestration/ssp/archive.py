@@ -38,7 +38,9 @@ class SspArchive(Archive):
         self._packages: dict[str, SspArchive] = {}
         if STRUCTURE not in self.names:
             self.close()
-            raise AdcsError(f"{path.name}: it has no {STRUCTURE} at its root: pack it there, without a folder around it")
+            raise AdcsError(
+                f"{path.name}: it has no {STRUCTURE} at its root: pack it there, without a folder around it"
+            )
 
     def close(self) -> None:
         """Close the file, and those opened inside it."""

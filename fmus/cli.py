@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Column, Table
 
@@ -118,6 +119,8 @@ def check_command(
 ) -> None:
     """Check FMUs: standard, layout, binaries, and what validators miss. Exit code 1 if something is wrong.
 
+    A note is about what no standard forbids, but what some machine or tool cannot do with.
+
     Examples: `adcs check` · `adcs check RigidBody` · `adcs check path/to/some.fmu`
     """
     paths = [path for fmu in fmus for path in _fmu_paths(fmu)] if fmus else _all_built()
@@ -131,10 +134,13 @@ def check_command(
     else:
         table = Table(Column("FMU", overflow="fold"), Column("Check", no_wrap=True), Column("Finding", overflow="fold"))
         for path, found in findings.items():
-            for finding in found or [Finding("", "[green]nothing wrong[/green]")]:
-                table.add_row(path.name, finding.rule, finding.message)
+            if not any(finding.severity == "fault" for finding in found):
+                table.add_row(escape(path.name), "", "[green]nothing wrong[/green]")
+            for finding in found:
+                rule = finding.rule if finding.severity == "fault" else f"{finding.rule} (note)"
+                table.add_row(escape(path.name), rule, escape(finding.message))
         _out.print(table)
-    if any(findings.values()):
+    if any(finding.severity == "fault" for found in findings.values() for finding in found):
         raise typer.Exit(1)
 
 

@@ -112,7 +112,7 @@ def cosimulate(
         finally:
             if adaptive is not None:
                 account["adaptive"] = adaptive.report()
-            account["warnings"] = simulation.warnings
+            account["warnings"] = [*account.get("warnings", ()), *simulation.warnings]
             if simulation.loop_reports:
                 account["algebraic_loops"] = simulation.loop_reports
             if course.pace is not None:

@@ -19,7 +19,9 @@ from fmpy.model_description import ModelDescription, ModelVariable, ValidationEr
 
 from fmus import paths
 from fmus.archive import LARGEST_XML, Archive
+from fmus.catalog import find
 from fmus.errors import AdcsError
+from fmus.freshness import warn_if_outdated
 from fmus.xml import parse
 from orchestration.description import (
     Clock,
@@ -181,12 +183,22 @@ class Fmu:
 
 
 def locate(name: str | Path, version: FmiVersion = "2.0") -> Path:
-    """Find the file of an FMU: a path that ends in `.fmu`, or the name of a component in `fmus/dist`."""
+    """Find the file of an FMU: a path that ends in `.fmu`, or the name of a component in `fmus/dist`.
+
+    It is logged as a warning if that was built from other sources than those that are here.
+    """
     if Path(name).suffix == ".fmu":
         return Path(name)
     path = paths.DIST / f"{name}{'.fmi3' if version == '3.0' else ''}.fmu"
     if not path.is_file():
-        raise AdcsError(f"FMU {name!r} is not built, {path} does not exist: build it with `adcs build`, or give a path")
+        try:
+            find(str(name))
+        except AdcsError as error:
+            raise AdcsError(f"{error}, or give the path of an .fmu") from None
+        raise AdcsError(
+            f"FMU {name!r} is not built, {path} does not exist: build it with `adcs build {name}`, or give a path"
+        )
+    warn_if_outdated(str(name), path)
     return path
 
 

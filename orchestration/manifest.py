@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from fmus import paths
+from fmus.freshness import outdated
 from orchestration.fmu import FmiVersion
 from orchestration.system import Connection, System
 
@@ -20,8 +22,11 @@ def make_manifest(system: System, fmi_version: FmiVersion, settings: dict[str, A
     """Describe a system and how it is run: components with checksums and start values, connections, seeds, versions."""
     components = {}
     seeds = {}
+    warnings = []
     for component in system.components.values():
         fmu = component.open(fmi_version)
+        if fmu.path.parent == paths.DIST and (text := outdated(str(component.source), fmu.path)):
+            warnings.append(text)
         start = {name: _nested(values, fmu.ports[name].shape) for name, values in component.start.items()}
         components[component.name] = {
             "fmu": str(component.source),
@@ -44,6 +49,7 @@ def make_manifest(system: System, fmi_version: FmiVersion, settings: dict[str, A
         },
         "settings": settings,
         "seeds": seeds,
+        "warnings": warnings,
         "versions": {
             **{name: _version(name) for name in _PACKAGES},
             "python": platform.python_version(),

@@ -166,7 +166,7 @@ def run(
                 states = np.empty((grid.steps + 1, len(state_names)))
                 clock.start()
                 couple(model, grid, recording, states, solver, rtol, atol, report)
-                manifest["warnings"] = model.warnings
+                manifest["warnings"] += model.warnings
                 if model.loop_reports:
                     manifest["algebraic_loops"] = model.loop_reports
     except CallFailed as error:

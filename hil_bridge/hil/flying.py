@@ -69,7 +69,7 @@ def fly(
         except KeyboardInterrupt as error:
             raise RunInterrupted(result({"status": "interrupted"})) from error
         finally:
-            manifest["warnings"] = simulation.warnings
+            manifest["warnings"] += simulation.warnings
     return result({"status": "complete"})
 
 

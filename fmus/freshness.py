@@ -1,4 +1,4 @@
-"""Whether a built FMU is made of the sources that are here now: seen in the sources that it carries, nothing compiled."""
+"""Whether a built FMU is made of the sources that are here now: seen in those that it carries, nothing compiled."""
 
 from __future__ import annotations
 

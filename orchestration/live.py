@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import operator
 import re
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from orchestration.grid import Grid
 from orchestration.plan import Floats
 from orchestration.results import Recording
 from orchestration.system import System, Value
+from orchestration.tables import read_table
 
 if TYPE_CHECKING:
     from orchestration.session import CoSimulation
@@ -81,23 +81,11 @@ class Inputs:
 
         `[unit]` after a name, as in the files that a run writes, must be the input's own unit.
         """
-        try:
-            with path.open(newline="", encoding="utf-8-sig") as file:
-                lines = [line for line in csv.reader(file) if line]
-        except OSError as error:
-            raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
-        except UnicodeDecodeError:
-            raise AdcsError(f"{path} is not a text file in UTF-8") from None
-        if not lines or _name(lines[0][0]) != ("time", lines[0][0].strip()[5:-1] or None):
+        header, table = read_table(path, header=True)
+        if not header or _name(header[0])[0].strip() != "time":
             raise AdcsError(f"{path}: the first line must be `time` and the names of inputs")
-        header, *rows = lines
-        for number, row in enumerate(rows, 2):
-            if len(row) != len(header):
-                raise AdcsError(f"{path}, line {number}: {len(row)} values, the first line has {len(header)} names")
-        try:
-            table = np.array([[float(cell) for cell in row] for row in rows]).reshape(len(rows), len(header))
-        except ValueError as error:
-            raise AdcsError(f"{path}: {error}") from None
+        if _name(header[0])[1] not in (None, "s"):
+            raise AdcsError(f"{path}: time is in {_name(header[0])[1]!r}, expected 's'")
         columns: dict[str, Floats] = {}
         for column, text in enumerate(header[1:], 1):
             name, unit = _known(system, text)
@@ -118,7 +106,7 @@ class Inputs:
         return values
 
 
-_HEADER = re.compile(r"(?P<name>.*?)(?:\[(?P<unit>[^\[\]]*)\])?")
+_HEADER = re.compile(r"(?P<name>.*?)(?:\[(?P<unit>[^\[\]]*)\])?", re.DOTALL)
 
 
 def _name(text: str) -> tuple[str, str | None]:
@@ -139,10 +127,8 @@ def _known(system: System, text: str) -> tuple[str, str | None]:
 
 
 _COMPARISONS = {"<=": operator.le, ">=": operator.ge, "<": operator.lt, ">": operator.gt}
-_CONDITION = re.compile(
-    r"\s*(?:(?P<function>norm|max|min)\s*\(\s*(?P<inside>[^()]+?)\s*\)|(?P<plain>[^<>=()]+?))\s*"
-    r"(?P<comparison><=|>=|<|>)\s*(?P<bound>[^<>=\s]+)\s*"
-)
+_CONDITION = re.compile(r"(?P<left>[^<>=]+)(?P<comparison><=|>=|<|>)(?P<bound>[^<>=]+)")
+_FUNCTION = re.compile(r"(?P<function>norm|max|min)\s*\((?P<inside>.+)\)", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -170,12 +156,14 @@ class Condition:
             raise AdcsError(
                 f"condition {text!r}: expected VARIABLE < NUMBER, or norm(VARIABLE), max(), min(); <=, >, >="
             )
-        name = match["inside"] or match["plain"]
+        left = match["left"].strip()
+        call = _FUNCTION.fullmatch(left)
+        function, name = (call["function"], call["inside"].strip()) if call else (None, left)
         end = system.end(name)
         whole = f"{end.component}.{end.port.name}"
         if whole not in recording.ports:
             raise AdcsError(f"condition {text!r}: {whole} is not recorded, and has to be")
-        if match["function"] is None and len(end.elements) > 1:
+        if function is None and len(end.elements) > 1:
             raise AdcsError(f"condition {text!r}: {name} is an array, use norm(), max(), min() or one element of it")
         first = 0
         for recorded, port in recording.ports.items():
@@ -183,7 +171,7 @@ class Condition:
                 break
             first += port.size
         where = tuple(first + i for i in end.elements)
-        return cls(text, match["function"], where, match["comparison"], bound)
+        return cls(text, function, where, match["comparison"], bound)
 
     def first(self, rows: Floats) -> int | None:
         """Index of the first row that meets the condition."""

@@ -22,7 +22,7 @@ from orchestration.run import run as run_system
 from orchestration.session import Stepping
 from orchestration.showing import REPORT_FILES, Format, as_json, exit_code, progress, show, write_files, write_report
 from orchestration.system import System
-from orchestration.words import assigned, seconds
+from orchestration.words import assigned, seconds, whole
 
 _LARGE = 20_000_000  # values; more are written, but not read again for key numbers and report
 _NUMERICS, _DURING, _RESULTS = "How it is solved", "What happens during the run", "Results"
@@ -337,15 +337,16 @@ def at_in_one(arguments: Sequence[str]) -> list[str]:
 
 def _every(system: System, assignment: str) -> None:
     name, _, text = assignment.partition("=")
-    if name not in system.components or not text.isdecimal() or int(text) < 1:
+    number = whole(text)
+    if name not in system.components or not number:
         raise AdcsError(f"--every {assignment}: expected COMPONENT=N, one of {', '.join(system.components)}, N from 1")
-    system.components[name].every = int(text)
+    system.components[name].every = number
 
 
 def _delay(system: System, assignment: str) -> None:
     name, _, text = assignment.partition("=")
-    if text.isdecimal():
-        system.delay(name, steps=int(text))
+    if (number := whole(text)) is not None:
+        system.delay(name, steps=number)
     else:
         system.delay(name, seconds=seconds(text, f"--delay {name}"))
 

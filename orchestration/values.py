@@ -10,6 +10,8 @@ import numpy as np
 from fmus.errors import AdcsError
 from orchestration.fmu import Fmu, Port
 
+_LONGEST = 200  # characters of a value that are shown
+
 
 def parse_value(fmu: Fmu, port: Port, text: str) -> Any:
     """`0.05deg` -> 0.000872.., `1,2,3` and `[[1,2],[3,4]]` -> arrays. Without a unit the value is in the port's own."""
@@ -28,9 +30,20 @@ def parse_value(fmu: Fmu, port: Port, text: str) -> Any:
             break
     if not _is_json(words):
         known = f", in {' or '.join(units)}" if units else ""
-        raise AdcsError(f"{port.name} = {text!r} cannot be read: write a number, or 1,2,3, or [[1,2],[3,4]]{known}")
+        raise AdcsError(
+            f"{port.name} = {_short(text)} cannot be read: write a number, or 1,2,3, or [[1,2],[3,4]]{known}"
+        )
     value = json.loads(words) if _is_json(words, bare=True) else json.loads(f"[{words}]")
-    return value if (factor, offset) == (1.0, 0.0) else (np.asarray(value) - offset) / factor
+    if (factor, offset) == (1.0, 0.0):
+        return value
+    try:
+        return (np.asarray(value, float) - offset) / factor
+    except (ValueError, TypeError, OverflowError):  # rows of different lengths, or no numbers
+        raise AdcsError(f"{port.name} = {_short(text)}: expected numbers before {unit!r}") from None
+
+
+def _short(text: str) -> str:
+    return repr(text) if len(text) <= _LONGEST else f"{text[:_LONGEST]!r}..."
 
 
 def _units(fmu: Fmu, port: Port) -> dict[str, tuple[float, float]]:
@@ -44,6 +57,6 @@ def _units(fmu: Fmu, port: Port) -> dict[str, tuple[float, float]]:
 def _is_json(text: str, bare: bool = False) -> bool:
     try:
         json.loads(text if bare else f"[{text}]")
-    except ValueError:
+    except (ValueError, RecursionError):  # no JSON, or brackets without end
         return False
     return bool(text.strip())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from math import isfinite
 from typing import Any
 
 from fmus.errors import AdcsError
@@ -17,7 +18,7 @@ def assigned(system: System, assignment: str, option: str = "--set", alone: str 
     """
     name, equals, text = assignment.partition("=")
     if not equals:
-        raise AdcsError(f"{option} {assignment}: expected COMPONENT.VARIABLE=VALUE")
+        raise AdcsError(f"{option} {' '.join(assignment.split())}: expected COMPONENT.VARIABLE=VALUE")
     name = full_name(name.strip(), alone)
     component, port = system.port(name)
     return name, parse_value(system.components[component].fmu, port, text)
@@ -32,6 +33,14 @@ def seconds(text: str, what: str) -> float:
     """Read a time [s] with or without a unit; `what` is the option, for the error."""
     match = re.fullmatch(r"\s*(?P<number>[-+.\deE]+)\s*(?P<unit>ms|s|min|h)?\s*", text)
     try:
-        return float(match["number"]) * {"ms": 1e-3, "min": 60.0, "h": 3600.0}.get(match["unit"], 1.0)  # type: ignore[index]
+        time = float(match["number"]) * {"ms": 1e-3, "min": 60.0, "h": 3600.0}.get(match["unit"], 1.0)  # type: ignore[index]
+        if not isfinite(time):
+            raise ValueError
+        return time
     except (TypeError, ValueError):
         raise AdcsError(f"{what}: {text!r} is not a time, write 120s, 0.1s, 5ms, 2min or 1h") from None
+
+
+def whole(text: str) -> int | None:
+    """Return a whole number from 0 that is written in digits, None if it is not so or has more than nine."""
+    return int(text) if text.isdecimal() and len(text) <= 9 else None

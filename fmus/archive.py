@@ -75,12 +75,12 @@ class Archive:
         info = self._zip.getinfo(member)
         if info.file_size > largest:
             raise AdcsError(
-                f"{self.path}: {member} has {info.file_size:,} bytes unpacked, more than {largest:,}: refused"
+                f"{self.path}: {member!r} has {info.file_size:,} bytes unpacked, more than {largest:,}: refused"
             )
         try:
             return self._zip.read(info)  # never more than the size that the directory says
         except Exception as error:  # of zipfile, zlib or the file system
-            raise AdcsError(f"{self.path}: {member} cannot be unpacked ({_line(error)}): pack it again") from error
+            raise AdcsError(f"{self.path}: {member!r} cannot be unpacked ({_line(error)}): pack it again") from error
 
     def extract(self, folder: Path, members: Iterable[str]) -> None:
         """Unpack members into a folder."""
@@ -99,15 +99,15 @@ class Archive:
             if outside or any(character in name for character in "\\:\0"):
                 raise AdcsError(f"{self.path} holds the path {name!r} that leads outside the archive: refused")
             if info.external_attr >> 28 == stat.S_IFLNK >> 12:
-                raise AdcsError(f"{self.path}: {name} is a link: pack what it leads to")
+                raise AdcsError(f"{self.path}: {name!r} is a link: pack what it leads to")
             if info.flag_bits & _ENCRYPTED:
-                raise AdcsError(f"{self.path}: {name} is encrypted: pack it without")
+                raise AdcsError(f"{self.path}: {name!r} is encrypted: pack it without")
             if info.compress_type not in _METHODS:
                 method = zipfile.compressor_names.get(info.compress_type, info.compress_type)  # type: ignore[attr-defined]
-                raise AdcsError(f"{self.path}: {name} is packed by {method}: only deflate is read, pack it so")
+                raise AdcsError(f"{self.path}: {name!r} is packed by {method}: only deflate is read, pack it so")
         name, count = next(iter(Counter(self._zip.namelist()).most_common(1)), ("", 0))
         if count > 1:
-            raise AdcsError(f"{self.path} holds {name} {count} times: pack it once")
+            raise AdcsError(f"{self.path} holds {name!r} {count} times: pack it once")
         unpacked = sum(info.file_size for info in members)
         if unpacked > LARGEST_ARCHIVE or unpacked > max(_HARMLESS, _MOST_PACKED * packed):
             raise AdcsError(

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, shown
 from orchestration.grid import Grid
 from orchestration.plan import Floats
 from orchestration.results import Recording
@@ -122,7 +122,9 @@ def _known(system: System, text: str) -> tuple[str, str | None]:
         return text.strip(), None
     except AdcsError:
         name, unit = _name(text)
-        system.end(name)
+        port = system.port(name)[1]
+        if unit != port.unit and re.fullmatch(r"[\d,\s]+", unit or ""):  # an element that there is not
+            raise
         return name, unit
 
 
@@ -154,7 +156,7 @@ class Condition:
             bound = float("nan")
         if match is None or not isfinite(bound):
             raise AdcsError(
-                f"condition {text!r}: expected VARIABLE < NUMBER, or norm(VARIABLE), max(), min(); <=, >, >="
+                f"condition {shown(repr(text))}: expected VARIABLE < NUMBER, or norm(VARIABLE), max(), min(); <=, >, >="
             )
         left = match["left"].strip()
         call = _FUNCTION.fullmatch(left)
@@ -162,9 +164,11 @@ class Condition:
         end = system.end(name)
         whole = f"{end.component}.{end.port.name}"
         if whole not in recording.ports:
-            raise AdcsError(f"condition {text!r}: {whole} is not recorded, and has to be")
+            raise AdcsError(f"condition {shown(repr(text))}: {whole} is not recorded, and has to be")
         if function is None and len(end.elements) > 1:
-            raise AdcsError(f"condition {text!r}: {name} is an array, use norm(), max(), min() or one element of it")
+            raise AdcsError(
+                f"condition {shown(repr(text))}: {shown(name)} is an array, use norm(), max(), min() or one element of it"
+            )
         first = 0
         for recorded, port in recording.ports.items():
             if recorded == whole:

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, get_args
 
 import typer
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, shown
 from hil_bridge import options as ground
 from hil_bridge.options import Options
 from orchestration.accuracy import Estimate, estimate_error
@@ -317,7 +317,7 @@ def _formats(wanted: Sequence[str] | None) -> list[Format]:
 def _change(system: System, text: str) -> tuple[float, str, Any]:
     time, blank, assignment = text.strip().partition(" ")
     if not blank:
-        raise AdcsError(f"--at {text}: expected TIME COMPONENT.VARIABLE=VALUE, as in --at 120s controller.k_p=2")
+        raise AdcsError(f"--at {shown(text)}: expected TIME COMPONENT.VARIABLE=VALUE, as in --at 120s controller.k_p=2")
     return seconds(time, "--at"), *assigned(system, assignment.strip(), "--at")
 
 
@@ -339,7 +339,9 @@ def _every(system: System, assignment: str) -> None:
     name, _, text = assignment.partition("=")
     number = whole(text)
     if name not in system.components or not number:
-        raise AdcsError(f"--every {assignment}: expected COMPONENT=N, one of {', '.join(system.components)}, N from 1")
+        raise AdcsError(
+            f"--every {shown(assignment)}: expected COMPONENT=N, one of {', '.join(system.components)}, N from 1"
+        )
     system.components[name].every = number
 
 
@@ -348,7 +350,7 @@ def _delay(system: System, assignment: str) -> None:
     if (number := whole(text)) is not None:
         system.delay(name, steps=number)
     else:
-        system.delay(name, seconds=seconds(text, f"--delay {name}"))
+        system.delay(name, seconds=seconds(text, f"--delay {shown(name)}"))
 
 
 def _with_outputs(system: System, record: Sequence[str] | None) -> list[str] | None:

@@ -8,10 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, shown
 from orchestration.plan import Floats
-
-_LONGEST = 200  # characters of a cell that are shown
 
 
 def read_table(path: Path, *, header: bool) -> tuple[list[str], Floats]:
@@ -37,7 +35,9 @@ def read_table(path: Path, *, header: bool) -> tuple[list[str], Floats]:
                         names = row
                         continue
                 if len(row) != width:
-                    raise AdcsError(f"{path}, line {line}: {len(row)} values, the first line has {width}{' names' * header}")
+                    raise AdcsError(
+                        f"{path}, line {line}: {len(row)} values, the first line has {width}{' names' * header}"
+                    )
                 numbers.extend(map(float, row))
     except OSError as error:
         raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
@@ -47,7 +47,7 @@ def read_table(path: Path, *, header: bool) -> tuple[list[str], Floats]:
         raise AdcsError(f"{path}, line {line + 1}: {error}") from None
     except ValueError:
         cell = next((cell for cell in row if not _is_number(cell)), "")
-        raise AdcsError(f"{path}, line {line}: {cell[:_LONGEST]!r} is not a number") from None
+        raise AdcsError(f"{path}, line {line}: {shown(repr(cell))} is not a number") from None
     table: Floats = np.array(numbers, float).reshape(-1, width or 1)
     return names, table
 

@@ -7,10 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, shown
 from orchestration.fmu import Fmu, Port
-
-_LONGEST = 200  # characters of a value that are shown
 
 
 def parse_value(fmu: Fmu, port: Port, text: str) -> Any:
@@ -31,7 +29,7 @@ def parse_value(fmu: Fmu, port: Port, text: str) -> Any:
     if not _is_json(words):
         known = f", in {' or '.join(units)}" if units else ""
         raise AdcsError(
-            f"{port.name} = {_short(text)} cannot be read: write a number, or 1,2,3, or [[1,2],[3,4]]{known}"
+            f"{port.name} = {shown(repr(text))} cannot be read: write a number, or 1,2,3, or [[1,2],[3,4]]{known}"
         )
     value = json.loads(words) if _is_json(words, bare=True) else json.loads(f"[{words}]")
     if (factor, offset) == (1.0, 0.0):
@@ -39,11 +37,7 @@ def parse_value(fmu: Fmu, port: Port, text: str) -> Any:
     try:
         return (np.asarray(value, float) - offset) / factor
     except (ValueError, TypeError, OverflowError):  # rows of different lengths, or no numbers
-        raise AdcsError(f"{port.name} = {_short(text)}: expected numbers before {unit!r}") from None
-
-
-def _short(text: str) -> str:
-    return repr(text) if len(text) <= _LONGEST else f"{text[:_LONGEST]!r}..."
+        raise AdcsError(f"{port.name} = {shown(repr(text))}: expected numbers before {unit!r}") from None
 
 
 def _units(fmu: Fmu, port: Port) -> dict[str, tuple[float, float]]:

@@ -6,7 +6,7 @@ import re
 from math import isfinite
 from typing import Any
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, shown
 from orchestration.system import System
 from orchestration.values import parse_value
 
@@ -18,7 +18,7 @@ def assigned(system: System, assignment: str, option: str = "--set", alone: str 
     """
     name, equals, text = assignment.partition("=")
     if not equals:
-        raise AdcsError(f"{option} {' '.join(assignment.split())}: expected COMPONENT.VARIABLE=VALUE")
+        raise AdcsError(f"{option} {shown(assignment)}: expected COMPONENT.VARIABLE=VALUE")
     name = full_name(name.strip(), alone)
     component, port = system.port(name)
     return name, parse_value(system.components[component].fmu, port, text)
@@ -38,7 +38,7 @@ def seconds(text: str, what: str) -> float:
             raise ValueError
         return time
     except (TypeError, ValueError):
-        raise AdcsError(f"{what}: {text!r} is not a time, write 120s, 0.1s, 5ms, 2min or 1h") from None
+        raise AdcsError(f"{what}: {shown(repr(text))} is not a time, write 120s, 0.1s, 5ms, 2min or 1h") from None
 
 
 def whole(text: str) -> int | None:

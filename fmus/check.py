@@ -37,6 +37,8 @@ def _check(path: Path) -> Iterator[Finding]:
     from fmus.checks.binary import check_binary  # not at the top: the library behind it takes a second to load
 
     try:
+        if not path.is_file():
+            raise FileNotFoundError("it is no file")
         archive = zipfile.ZipFile(path)
     except Exception as error:  # zipfile lets those of struct, of decoding and others out of a damaged directory
         yield Finding("archive", f"{path} is no readable ZIP file: {error}")
@@ -84,5 +86,11 @@ def _description(archive: Archive) -> tuple[Any, Any]:
 
 
 def _found(rule: str, messages: Iterable[str]) -> Iterator[Finding]:
-    for message in messages:
-        yield Finding(rule, str(message), "note" if isinstance(message, Note) else "fault")
+    try:
+        for message in messages:
+            text = " ".join(message.split())
+            yield Finding(rule, text, "note" if isinstance(message, Note) else "fault")
+    except AdcsError:
+        raise
+    except Exception as error:  # in a description that breaks its schema, of which there is a finding as well
+        yield Finding(rule, f"cannot be looked at: {' '.join(str(error).split())}")

@@ -56,6 +56,8 @@ def _decoded(content: bytes, name: str, utf8_only: bool) -> str:
         encoding = "utf-16"
     elif content[:3] == b"\xef\xbb\xbf":
         encoding = "utf-8"
+    elif encoding == "utf-16":
+        raise AdcsError(f"{name} is not in UTF-16 as it says (it has no byte order mark): save it in UTF-8")
     if encoding not in _ENCODINGS or (utf8_only and encoding not in ("utf-8", "us-ascii")):
         raise AdcsError(f"{name} is in {encoding}, expected UTF-8: save it so")
     try:

@@ -114,7 +114,12 @@ def _check_start(v: ModelVariable) -> Iterator[str]:
         yield f"{v.name}: start has {len(values)} values, expected {_shape(v)}"
     if v.type == "Boolean":
         return
-    for value in map(float, values):
+    for text in values:
+        try:
+            value = float(text)
+        except ValueError:
+            yield f"{v.name}: start {text} is not a number"
+            continue
         if not math.isfinite(value):
             yield f"{v.name}: start {value} is not finite"
         elif v.min is not None and value < float(v.min):

@@ -18,6 +18,7 @@ from fmus.catalog import Component
 from fmus.check import Finding, check
 from fmus.describe import Variable
 from fmus.errors import AdcsError
+from fmus.freshness import warn_if_outdated
 from fmus.pack import FILE_NAMES
 from fmus.paths import DIST
 
@@ -89,7 +90,14 @@ def info_command(name: Annotated[str, typer.Argument(help="A component.")], as_j
 
     Examples: `adcs info RigidBody` · `adcs info RigidBody --json`
     """
+    show_component(name, as_json)
+
+
+def show_component(name: str, as_json: bool) -> None:
+    """Print what a component declares, which the component itself is asked for; AdcsError if there is none."""
     component = catalog.find(name)
+    for path in _paths(component).values():
+        warn_if_outdated(name, path)
     with _err.status("asking the component ...") if not as_json else _err.capture():
         description = describe(name)
     if as_json:
@@ -105,7 +113,8 @@ def info_command(name: Annotated[str, typer.Argument(help="A component.")], as_j
     for v in description.variables:
         if v.causality != "independent":
             size = " x ".join(map(str, v.shape))
-            table.add_row(v.name, v.causality, size, v.unit or "", _start(v), v.bounds, v.description)
+            causality = f"{v.causality}, tunable" if v.variability == "tunable" else v.causality
+            table.add_row(v.name, causality, size, v.unit or "", _start(v), v.bounds, v.description)
     _out.print(table)
 
 

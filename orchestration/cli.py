@@ -9,6 +9,7 @@ import typer
 import fmus.cli
 import hil_bridge.cli
 import hil_bridge.hil.cli
+import orchestration.info_cli
 import orchestration.linear_cli
 import orchestration.run_cli
 import orchestration.ssp.cli
@@ -23,6 +24,7 @@ app = typer.Typer(
 )
 for _part in (
     fmus.cli.app,
+    orchestration.info_cli.app,  # its `info` takes files as well
     orchestration.run_cli.app,
     orchestration.ssp.cli.app,
     orchestration.linear_cli.app,

@@ -156,6 +156,12 @@ class Fmu:
                 ports[old.name] = replace(old, shape=shape, start=same)
         return replace(self, ports=ports, states=_states(self.model, ports))
 
+    @cached_property
+    def platforms(self) -> tuple[str, ...]:
+        """The folders of its binaries, named as its standard names platforms."""
+        with Archive(self.path) as archive:
+            return _platforms(archive.names)
+
     @property
     def major_version(self) -> int:
         """2 or 3."""
@@ -247,6 +253,11 @@ def _open(path: Path, modified: int, size: int) -> Fmu:
         raise AdcsError(f"cannot read modelDescription.xml of {path} ({_one_line(error)}): {_AGAIN}") from error
 
 
+def _platforms(names: Sequence[str]) -> tuple[str, ...]:
+    parts = (PurePosixPath(name).parts for name in names if name.startswith("binaries/") and not name.endswith("/"))
+    return tuple(sorted({part[1] for part in parts if len(part) > 2}))
+
+
 def _sha256(path: Path) -> str:
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
@@ -278,10 +289,9 @@ def extracted(fmu: Fmu, kind: Kind) -> Iterator[tuple[Path, Path]]:
         names = archive.names
         found = [binary for binary in fmu.binaries(kind) if str(binary) in names]
         if not found:
-            folders = {PurePosixPath(n).parts[1] for n in names if n.startswith("binaries/") and n.count("/") >= 2}
             raise AdcsError(
                 f"{fmu.path.name} has no binary for this platform ({fmu.binaries(kind)[0]} is missing, it has: "
-                f"{', '.join(sorted(folders)) or 'none'}): build it for this platform"
+                f"{', '.join(_platforms(names)) or 'none'}): build it for this platform"
             )
         with tempfile.TemporaryDirectory(prefix="adcs-fmu-", ignore_cleanup_errors=True) as folder:
             archive.extract(Path(folder), [n for n in names if not n.startswith(_NOT_FOR_RUNNING)])

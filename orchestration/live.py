@@ -167,7 +167,8 @@ class Condition:
             raise AdcsError(f"condition {shown(repr(text))}: {whole} is not recorded, and has to be")
         if function is None and len(end.elements) > 1:
             raise AdcsError(
-                f"condition {shown(repr(text))}: {shown(name)} is an array, use norm(), max(), min() or one element of it"
+                f"condition {shown(repr(text))}: {shown(name)} is an array, use norm(), max(), min() or one "
+                "element of it"
             )
         first = 0
         for recorded, port in recording.ports.items():

@@ -20,7 +20,7 @@ from fmpy.model_description import ModelDescription, ModelVariable, ValidationEr
 from fmus import paths
 from fmus.archive import LARGEST_XML, Archive
 from fmus.catalog import find
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, shown
 from fmus.freshness import warn_if_outdated
 from fmus.xml import parse
 from orchestration.description import (
@@ -214,7 +214,12 @@ def open_fmu(path: Path) -> Fmu:
         stat = path.stat()
     except OSError as error:
         raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
-    return _open(path.resolve(), stat.st_mtime_ns, stat.st_size)
+    try:
+        return _open(path.resolve(), stat.st_mtime_ns, stat.st_size)
+    except AdcsError as error:
+        if str(path).isprintable():
+            raise
+        raise AdcsError(shown(str(error), most=1000)) from error  # a path may have line breaks
 
 
 @lru_cache(maxsize=64)

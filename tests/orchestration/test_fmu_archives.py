@@ -180,6 +180,12 @@ def test_encryption(tmp_path: Path, content: dict[str, bytes], flag: int) -> Non
     assert "is encrypted: pack it without" in refused(path)
 
 
+def test_a_path_with_a_line_break(tmp_path: Path, content: dict[str, bytes]) -> None:
+    assert "odd name.fmu holds the path '../x' that" in refused(
+        packed(tmp_path / "odd\nname.fmu", {**content, "../x": b""})
+    )
+
+
 def test_what_is_no_file(tmp_path: Path) -> None:
     (tmp_path / "folder.fmu").mkdir()
     os.mkfifo(tmp_path / "pipe.fmu")

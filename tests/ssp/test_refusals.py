@@ -353,7 +353,7 @@ class TestArchives:
         content = bytearray(path.read_bytes())
         content[content.index(b"SystemStructure.ssd") + 40] ^= 0xFF
         path.write_bytes(content)
-        assert "SystemStructure.ssd cannot be unpacked" in refusal(path)
+        assert "'SystemStructure.ssd' cannot be unpacked" in refusal(path)
 
     def test_huge_documents(self, package):
         """A zip bomb: the size that the archive declares is believed, and more is not read."""
@@ -368,7 +368,7 @@ class TestArchives:
         entry = content.rindex(b"PK\x01\x02", 0, content.rindex(b"SystemStructure.ssd"))
         struct.pack_into("<H", content, entry + 8, 1)
         path.write_bytes(content)
-        assert "SystemStructure.ssd is encrypted: pack it without" in refusal(path)
+        assert "'SystemStructure.ssd' is encrypted: pack it without" in refusal(path)
 
     def test_broken_fmu(self, package):
         path = package(ssd(elements(component("c"))), None, {"resources/c.fmu": "no FMU"})

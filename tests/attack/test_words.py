@@ -118,7 +118,14 @@ def test_conditions(text: str) -> None:
         assert np.isfinite(condition.bound)
 
 
-@given(of_words([*VARIABLES, *ODD], 4))
+NAMED = st.tuples(
+    st.sampled_from(["plant.", "tracker.", "plnt.", "plant"]),
+    st.sampled_from(["torque_B", "q_BN", "J_B", "half_angle", "der(q_BN)", "time"]),
+    st.sampled_from(["", "[1]", "[ 3 ]", "[1,1]", "[0]", "[4]", "[4000000000]", "[-1]", "[1", "[]"]),
+).map("".join)
+
+
+@given(NAMED | of_words([*VARIABLES, *ODD], 4))
 def test_names(text: str) -> None:
     attempt("names of variables", lambda: SYSTEM.end(text), len(text))
 

@@ -1,7 +1,13 @@
 """A bridge on a real run: what is commanded arrives at a communication point and is recorded; nothing stops the run."""
 
+import hashlib
 import os
+import re
 import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
 from threading import Thread
 
 import numpy as np
@@ -151,7 +157,7 @@ def test_a_slew_ends_at_the_commanded_attitude_and_its_timeout_gives_it_back():
         return len(settled) == 50 and all(abs(np.dot([m.q1, m.q2, m.q3, m.q4], target)) > 0.99999 for m in settled)
 
     def work(pilot):
-        until(lambda: there(pilot), 30.0)
+        until(lambda: there(pilot))
         until(lambda: any("timed out" in text for text in pilot.texts()))
 
     result, _, _ = flown(work, stop_time=4000.0, speed=40.0, allow="attitude")
@@ -180,6 +186,70 @@ def test_the_run_goes_on_when_the_bridge_is_killed():
     plain = run(T5.build(), stop_time=10.0, step=0.01)
     assert np.array_equal(result.data, plain.data)
     assert result.manifest["outcome"]["status"] == "complete"
+
+
+def ended(pilot):
+    """Text and state of the vehicle's last words."""
+    heard = pilot.station.listen()
+    beat = [m for m in heard if m.get_type() == "HEARTBEAT"][-1]
+    return [m.text for m in heard if m.get_type() == "STATUSTEXT"][-1], beat.system_status, beat.base_mode & 128
+
+
+def test_the_last_words_say_how_it_ended():
+    _, pilot, _ = flown(lambda pilot: None, stop_time=3.0)
+    assert ended(pilot) == ("Run ended", mavlink.MAV_STATE_POWEROFF, 0)
+    _, pilot, _ = flown(lambda pilot: None, stop_time=4000.0)  # broken off by the test, as by Ctrl-C
+    assert ended(pilot) == ("Run interrupted", mavlink.MAV_STATE_POWEROFF, 0)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="this platform has no SIGKILL")
+def test_a_simulation_that_is_killed_is_missed():
+    station = Udp()
+    code = "from orchestration.cli import main; main()"
+    command = [sys.executable, "-c", code, "bridge", "full-state-pd", "--out", f"udpout:127.0.0.1:{station.port}"]
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as process:
+        until(lambda: station.count("ATTITUDE") > 5)
+        process.kill()
+    until(lambda: any(m.text.startswith("Run broken off") for m in station.listen() if m.get_type() == "STATUSTEXT"))
+    last = until(
+        lambda: [
+            m
+            for m in station.listen()
+            if m.get_type() == "HEARTBEAT" and m.system_status == mavlink.MAV_STATE_EMERGENCY
+        ]
+    )
+    assert not last[-1].base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="this platform has no SIGKILL")
+def test_a_bridge_that_is_killed_accepts_nothing_again(tmp_path):
+    """A signed message that was answered is captured, the bridge killed with -9 and started again."""
+    key = tmp_path / "key"
+    key.write_text("a pass phrase")
+    friend = Udp()
+    friend.mav.signing.secret_key = hashlib.sha256(b"a pass phrase").digest()
+    friend.mav.signing.sign_outgoing = True
+    friend.mav.signing.timestamp = int((time.time() - 1420070400) * 1e5)
+    captured = mavlink.MAVLink_ping_message(1, 1, 0, 0).pack(friend.mav)
+    heard = []
+    for _ in range(2):
+        with attached(T5.build(), Options(["udpin:127.0.0.1:0"], key=key), step=0.01) as watcher:
+            _, host, port = watcher.endpoints[0].split(":")
+            address = (host, int(port))
+            if not heard:
+                friend.send(captured, address)
+                until(lambda: friend.count("PING") == 1)
+                heard = friend.heard
+                os.kill(watcher.pid, signal.SIGKILL)
+                continue
+            for _ in range(3):
+                friend.send(captured, address)
+            friend.mav.signing.timestamp += 150_000
+            friend.send(mavlink.MAVLink_ping_message(2, 2, 0, 0), address)
+            until(lambda: friend.count("PING") == 2)
+            assert [m.seq for m in friend.heard if m.get_type() == "PING"] == [1, 2]
+            report = watcher.report()["mavlink"]
+    assert (report["endpoints"][0]["received"], report["endpoints"][0]["bad"]) == (1, 3)
 
 
 def test_a_ground_station_sees_the_values_of_the_run():
@@ -228,6 +298,16 @@ def test_what_is_shown_is_changed_by_declaration(tmp_path):
     assert signals.roles["attitude"] == "plant.q_BN"
     assert signals.roles["rate"] == "plant.omega_BN_B"
     assert "torque" not in signals.roles
+    assert signals.shown == {"energy": "plant.kinetic_energy", "H_N": "plant.H_N"}
+
+
+def test_the_map_of_the_page_fits_the_system_of_the_page(tmp_path):
+    page = (Path(__file__).parents[2] / "docs/mavlink.md").read_text()
+    (text,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    file = tmp_path / "shown.toml"
+    file.write_text(text)
+    signals = find(SYSTEMS["observer-pd"].build(), [str(file), "rate=plant.omega_BN_B"], ["plant.H_N"])
+    assert signals.roles["attitude"] == "plant.q_BN" and signals.roles["rate"] == "plant.omega_BN_B"
     assert signals.shown == {"energy": "plant.kinetic_energy", "H_N": "plant.H_N"}
 
 

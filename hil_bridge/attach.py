@@ -79,7 +79,8 @@ class Bridge:
         self._report: dict[str, Any] = {}
         self._not_taken = 0
         self._forecast: Forecast | None = None
-        self._trials = Bucket(_SHARE, 1.0)
+        self._trials = Bucket(_SHARE, _SHARE)
+        self._tried, self._tried_for = 0, 0.0  # s
         self._commands_not_kept = 0
         self.endpoints: list[str] = []
 
@@ -140,6 +141,8 @@ class Bridge:
         """End, and return what the manifest is to have: commands as [time, name, value, source], and counters."""
         self._end(sys.exc_info()[1])
         counters = {"endpoints": self.endpoints, **self._report, "points_not_taken": self._not_taken}
+        if self._tried:
+            counters |= {"trials": self._tried, "trials_s": self._tried_for}
         if self._commands_not_kept:
             counters["commands_not_kept"] = self._commands_not_kept
         return {"commands": self.commands, "mavlink": counters}
@@ -223,7 +226,9 @@ class Bridge:
                 self._trial.keep(changes)
             return None
         finally:
-            self._trials.spend(monotonic() - began)
+            took = monotonic() - began
+            self._trials.spend(took)
+            self._tried, self._tried_for = self._tried + 1, self._tried_for + took
 
     def _made(self, simulation: CoSimulation, note: dict[str, Any]) -> list[Change]:
         """Changes for the next point, recorded and confirmed; none if the component would refuse them."""

@@ -203,11 +203,11 @@ class Bridge:
 
     def _is_tried(self, note: dict[str, Any]) -> bool:
         """Parameters, and rates of a target: any attitude is one that the law can turn to, but not any rate."""
-        point = self.settings.point
-        if note["kind"] == "param" or note["kind"] != "attitude" or point is None or point.rate is None:
-            return bool(note["kind"] == "param")
-        rate = dict(map(tuple, note["changes"])).get(point.rate)
-        return rate is not None and any(rate) and rate != self._last.get(point.rate)
+        if note["kind"] == "param":
+            return True
+        name = None if self.settings.point is None else self.settings.point.rate
+        rate = next((value for changed, value in note["changes"] if changed == name), None)
+        return rate is not None and any(rate) and rate != self._last.get(name)
 
     def _refused(self, simulation: CoSimulation, changes: Sequence[tuple[str, Any]], param: bool) -> str | None:
         """Try values: on a copy of the component, which says by itself what it refuses, then on one of the system."""

@@ -35,6 +35,7 @@ class Server:
         self.keyring = None if settings.key is None else Keyring.open(Path(settings.key), state)
         self.endpoints: list[Endpoint] = []
         self._log: Logbook | None = None
+        self._log_trouble = ""
         self._stopped = False
         self._last_chance = inf
         self._left_out = 0
@@ -96,6 +97,7 @@ class Server:
             endpoint.close()
         if self._log is not None:
             self._log.close()
+            self._log_trouble = self._log.trouble
             self._log = None
         if self.keyring is not None:
             with suppress(AdcsError):  # what was written ahead holds
@@ -107,6 +109,7 @@ class Server:
             "endpoints": [endpoint.report() for endpoint in self.endpoints],
             "points_left_out": self._left_out,
             "busy": self._load(),
+            **({"tlog_incomplete": self._log_trouble} if self._log_trouble else {}),
         }
 
     def _load(self) -> float:

@@ -281,9 +281,17 @@ class Vehicle:
             self._queue(peer, [self._parameter_value(parameter)])
             return
         touched = self._symmetric(parameter)
-        whole = [value if p in touched else p.value for p in self._by_variable[parameter.variable]]
+        whole = [value if p in touched else self._coming(p) for p in self._by_variable[parameter.variable]]
         number = self._ask("param", [(parameter.variable, whole)], peer.name)
         self._pending[number] = _Pending(peer, touched, [value] * len(touched), now)
+
+    def _coming(self, parameter: Parameter) -> float:
+        """The value that was asked for last, if that is on its way: the next change must not take it back."""
+        for pending in reversed(self._pending.values()):
+            for other, value in zip(pending.parameters, pending.values, strict=True):
+                if other is parameter:
+                    return value
+        return parameter.value
 
     def _symmetric(self, parameter: Parameter) -> list[Parameter]:
         """The element, and in a symmetric matrix the one across the diagonal: half of a pair makes no inertia."""

@@ -205,9 +205,11 @@ class Bridge:
         """Parameters, and rates of a target: any attitude is one that the law can turn to, but not any rate."""
         if note["kind"] == "param":
             return True
-        name = None if self.settings.point is None else self.settings.point.rate
-        rate = next((value for changed, value in note["changes"] if changed == name), None)
-        return rate is not None and any(rate) and rate != self._last.get(name)
+        point = self.settings.point
+        if point is None or point.rate is None:
+            return False
+        rate = next((value for name, value in note["changes"] if name == point.rate), ())
+        return any(rate) and rate != self._last.get(point.rate)
 
     def _refused(self, simulation: CoSimulation, changes: Sequence[tuple[str, Any]], param: bool) -> str | None:
         """Try values: on a copy of the component, which says by itself what it refuses, then on one of the system."""

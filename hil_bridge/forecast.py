@@ -104,17 +104,12 @@ class Forecast:
             high = np.argwhere(~(np.abs(rows[:written]) <= FLOAT32_MOST))
             if len(high):
                 row, column = high[0]
-                return (
-                    f"{_element(copy, int(column))} grows beyond {FLOAT32_MOST:.1e} by t = {_time(copy, first + row)}"
-                )
+                copy.k = first + int(row)
+                return f"{_element(copy, int(column))} grows beyond {FLOAT32_MOST:.1e} by t = {copy.time:.6g} s"
             if failed is not None:
                 return str(failed)
             count -= n
         return None
-
-
-def _time(copy: CoSimulation, k: int) -> str:
-    return f"{copy.start + k * copy.step:.6g} s"
 
 
 def _element(copy: CoSimulation, column: int) -> str:

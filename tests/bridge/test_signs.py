@@ -9,7 +9,11 @@ from pymavlink.dialects.v20 import common as mavlink
 from hil_bridge import frames
 from hil_bridge.settings import Pointing
 
-from .ground import Station, orbiting, values
+from studies.registry import SYSTEMS
+
+from .ground import ROLES, Station, columns, orbiting, values
+from .live import until
+from .test_run import flown
 
 POINT = Pointing("command.q_CN", "command.omega_CN_C", "command.engaged")
 SINGLE = 3e-7  # of a float32 quaternion, multiplied twice
@@ -85,8 +89,6 @@ def test_noise_half_a_revolution_away_does_not_toss_the_sign(settings, rng):
 
 
 def test_without_an_estimate_the_true_attitude_decides_and_without_both_nothing(settings, rng):
-    from .ground import ROLES, columns
-
     roles = {k: n for k, n in ROLES.items() if k != "attitude"}
     station = Station(replace(settings, columns=columns(roles), allow=["attitude"], point=POINT))
     drawn = {k: v for k, v in values(rng).items() if k != "attitude"} | {"true_attitude": np.array([-1.0, 0, 0, 0])}
@@ -97,3 +99,30 @@ def test_without_an_estimate_the_true_attitude_decides_and_without_both_nothing(
     station.show([0.0, 0.0, 0.0])
     station.send(target([-0.6, 0.8, 0.0, 0.0]))
     assert commanded(station) == pytest.approx([-0.6, 0.8, 0.0, 0.0], abs=1e-7)
+
+
+def test_a_run_in_which_what_is_shown_is_sent_back():
+    """A body at rest, with q_0 < 0: at the first point of the command the law's error is no rotation, with its sign."""
+
+    class Still:
+        def build(self):
+            system = SYSTEMS["full-state-pd"].build()
+            system.set("plant.q_BN", [-0.5, 0.5, 0.5, 0.5])
+            system.set("plant.omega_BN_B", [0.0, 0.0, 0.0])
+            system.set("tracker.half_angle", 0.0)
+            return system
+
+    def work(pilot):
+        pilot.result_of(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0)
+        until(lambda: pilot.station.count("ATTITUDE_QUATERNION") > 3)
+        for _ in range(3):
+            shown = [m for m in pilot.station.listen() if m.get_type() == "ATTITUDE_QUATERNION"][-1]
+            pilot.send(target([shown.q1, shown.q2, shown.q3, shown.q4]))
+        until(lambda: "Attitude target taken" in pilot.texts())
+
+    result, _, _ = flown(work, stop_time=6.0, speed=2.0, entry=Still())
+    commands = result.manifest["commands"]
+    engaged = next(c[0] for c in commands if c[1:3] == ["commanded_reference.engaged", 1])
+    row = round(engaged / 0.01)
+    assert result["plant.q_BN"][row][0] < 0
+    assert result["controller.q_BR"][row][0] > 0.99  # not 1: the body drifts while the message is on its way

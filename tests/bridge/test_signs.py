@@ -8,7 +8,6 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from hil_bridge import frames
 from hil_bridge.settings import Pointing
-
 from studies.registry import SYSTEMS
 
 from .ground import ROLES, Station, columns, orbiting, values

@@ -8,11 +8,11 @@ BIN := $(VENV)/bin
 SOURCES_CXX = $(shell git ls-files '*.hpp' '*.cpp' 'orchestration/engine/*.c' 'orchestration/engine/*.h')
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format fmus check bench sanitize lock clean
+.PHONY: help demo test lint format fmus check bench attack sanitize fuzz lock clean
 
 help:
 	@sed -n 's/^# \{0,1\}//p' Makefile | head -3
-	@echo "make lint (needs a C++ compiler) | format | fmus (all platforms; COMPONENTS="RigidBody ..." for some) | check | sanitize (needs a C++ compiler) | bench | lock | clean"
+	@echo "make lint (needs a C++ compiler) | format | fmus (all platforms; COMPONENTS="RigidBody ..." for some) | check | sanitize, fuzz (need a C++ compiler) | bench | attack | lock | clean"
 
 $(VENV)/installed: requirements/run.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed, this is " + sys.version.split()[0] + "; try: make PYTHON=python3.12" if sys.version_info < (3, 11) else 0)'
@@ -60,13 +60,30 @@ sanitize: $(VENV)/installed-dev
 	$(BIN)/adcs build $(COMPONENTS)
 	$(BIN)/python tests/sanitized.py
 
+# Random calls and damaged saved states against sanitized components: make fuzz TRIES=100000 COMPONENTS="RigidBody Quest".
+TRIES ?= 100000
+fuzz: $(VENV)/installed-dev
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/cmake --preset sanitize -DADCS_COMPONENTS="$(COMPONENTS)" -DADCS_FUZZ_LONG=$(TRIES)
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/cmake --build --preset sanitize --target fuzz
+
 bench: $(VENV)/installed-dev
 	$(BIN)/adcs build
 	$(BIN)/python -m benchmarks
+	$(BIN)/python -m benchmarks.elementary
 	$(BIN)/python -m benchmarks.ring
 	$(BIN)/python -m benchmarks.backstepping
 	$(BIN)/python -m benchmarks.lockstep
 	$(BIN)/python -m benchmarks.mavlink
+	$(BIN)/python -m benchmarks.isolation
+
+# What is attacked and what survives, the tables of docs/robustness.md and docs/mavlink.md: components and disks (small ones are
+# made by root only), readers, both servers, calls and saved states (where there is a C++ compiler). Half an hour.
+attack: $(VENV)/installed-dev
+	$(BIN)/adcs build
+	$(BIN)/python -m tests.robustness
+	$(BIN)/python -m tests.attack 200
+	ADCS_FUZZ=100000 $(BIN)/python -m pytest -q -s tests/bridge/test_security.py tests/bridge/test_attacks.py tests/hil/test_attacks.py
+	if command -v "$${CXX:-c++}" >/dev/null; then $(MAKE) fuzz TRIES=5000 COMPONENTS="RigidBody StarTracker"; fi
 
 # Names, versions and hashes of everything that is installed, for all platforms and Python versions.
 lock:

@@ -11,6 +11,7 @@ from fmus.build import build, describe
 from fmus.catalog import Component, components, find
 from fmus.check import Finding, check
 from fmus.errors import AdcsError
+from fmus.freshness import warn_if_outdated
 from fmus.pack import FILE_NAMES
 from fmus.paths import DIST
 
@@ -18,10 +19,14 @@ __all__ = ["AdcsError", "Component", "Finding", "build", "check", "components", 
 
 
 def fmu_path(name: str, fmi_version: str = "2.0") -> Path:
-    """The built FMU of a component; AdcsError if there is no such component or it is not built."""
+    """The built FMU of a component; AdcsError if there is no such component or it is not built.
+
+    It is logged as a warning if the FMU was built from other sources than those that are here.
+    """
     if fmi_version not in FILE_NAMES:
         raise AdcsError(f"FMI version {fmi_version} is not made: expected {' or '.join(FILE_NAMES)}")
     path = DIST / FILE_NAMES[fmi_version].format(find(name).name)
     if not path.is_file():
         raise AdcsError(f"{path.name} is not built: run: adcs build")
+    warn_if_outdated(name, path)
     return path

@@ -28,7 +28,7 @@ from fmus.toolchain import (
 Progress = Callable[[int, int, str], None]
 """Called with the number of steps done, of all steps, and the name of what was done."""
 
-ADAPTOR = ("instance", "runtime", "fmi2", "fmi3")
+ADAPTOR = ("instance", "saved_state", "runtime", "fmi2", "fmi3")
 """Sources in src/fmi that every binary contains."""
 
 
@@ -114,6 +114,7 @@ class _Plan:
             ),
             compile_step(SOURCES / "fmi" / "describe.cpp", self._object("describe", machine), machine, flag),
             self._compile_adaptor("instance", machine),
+            self._compile_adaptor("saved_state", machine),
             self._compile_adaptor("runtime", machine),
         ]
         self.describe_link = program_step([s.output for s in describe], work / "describe" / component.name, machine)

@@ -66,7 +66,10 @@ def find(name: str) -> Component:
 
 def _read(header: Path, kind: str) -> Component | None:
     name = "".join(word.capitalize() for word in header.stem.split("_"))
-    code = header.read_text(encoding="utf-8")
+    try:
+        code = header.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise AdcsError(f"{header} cannot be read ({error}): save it in UTF-8") from None
     if "declare(" not in code:
         return None  # shared between components
     if not re.search(rf"\bstruct {name}\b", code):

@@ -4,55 +4,93 @@ import zipfile
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Literal
 
 import fmpy
 
-from fmus.checks.archive import check_archive, check_layout
+from fmus.archive import LARGEST_XML, Archive
+from fmus.checks import Note
+from fmus.checks.archive import check_archive, check_layout, check_members
 from fmus.checks.behaviour import check_behaviour
 from fmus.checks.description import check_companions, check_dependencies, check_standard, check_variables
+from fmus.errors import AdcsError
+from fmus.xml import parse
 
 
 @dataclass(frozen=True)
 class Finding:
-    """Something wrong with an FMU."""
+    """Something found in an FMU."""
 
     rule: str
     """Which check found it: archive, layout, standard, companions, variables, dependencies, binaries, behaviour."""
     message: str
+    severity: Literal["fault", "note"] = "fault"
+    """A note is about what no standard forbids, but what some machine or tool cannot do with."""
 
 
 def check(path: Path | str) -> list[Finding]:
-    """Everything found wrong with the FMU at `path`; empty if it is fine. It need not exist or be a ZIP file."""
+    """Everything found in the FMU at `path`; empty if it is fine. It need not exist or be a ZIP file."""
     return list(dict.fromkeys(_check(Path(path))))
 
 
 def _check(path: Path) -> Iterator[Finding]:
     from fmus.checks.binary import check_binary  # not at the top: the library behind it takes a second to load
 
-    def found(rule: str, messages: Iterable[str]) -> Iterator[Finding]:
-        return (Finding(rule, message) for message in messages)
-
     try:
+        if not path.is_file():
+            raise FileNotFoundError("it is no file")
         archive = zipfile.ZipFile(path)
-    except (OSError, zipfile.BadZipFile) as error:
+    except Exception as error:  # zipfile lets those of struct, of decoding and others out of a damaged directory
         yield Finding("archive", f"{path} is no readable ZIP file: {error}")
         return
     with archive:
-        in_archive = list(found("archive", check_archive(archive)))
-        yield from in_archive
-        yield from found("standard", check_standard(path))
         try:
-            model = fmpy.read_model_description(str(path), validate=False)
-        except Exception as error:
-            yield Finding("standard", f"modelDescription.xml cannot be read: {error}")
+            with Archive(path) as safe:
+                in_archive = list(_found("archive", check_archive(archive)))
+                yield from in_archive
+                root, model = _description(safe)
+                yield from _found("standard", check_standard(path))
+                interfaces = [i for i in (model.modelExchange, model.coSimulation, model.scheduledExecution) if i]
+                yield from _found("layout", check_layout(safe, {i.modelIdentifier for i in interfaces}))
+                yield from _found("companions", check_companions(safe, model))
+                yield from _found("variables", check_variables(model, root))
+                yield from _found("dependencies", check_dependencies(model))
+                for name in archive.namelist():
+                    if name.startswith("binaries/") and name.endswith((".so", ".dll", ".dylib")):
+                        kinds = {type(i).__name__ for i in interfaces}
+                        yield from _found("binaries", check_binary(name, safe.read(name), model.fmiVersion, kinds))
+        except _Unreadable as error:
+            yield Finding("standard", str(error))
             return
-        interfaces = [i for i in (model.modelExchange, model.coSimulation, model.scheduledExecution) if i]
-        yield from found("layout", check_layout(archive, {i.modelIdentifier for i in interfaces}))
-        yield from found("companions", check_companions(archive, model))
-        yield from found("variables", check_variables(model))
-        yield from found("dependencies", check_dependencies(model))
-        for name in archive.namelist():
-            if name.startswith("binaries/") and name.endswith((".so", ".dll", ".dylib")):
-                yield from found("binaries", check_binary(name, archive.read(name), model.fmiVersion))
-    if not in_archive:
-        yield from found("behaviour", check_behaviour(path))
+        except AdcsError as error:  # what is not even unpacked
+            in_archive = list(_found("archive", check_members(archive)))
+            yield from in_archive or [Finding("archive", str(error))]
+            return
+    if not any(finding.severity == "fault" for finding in in_archive):
+        yield from _found("behaviour", check_behaviour(path))
+
+
+class _Unreadable(Exception):
+    """A description that cannot be looked at further."""
+
+
+def _description(archive: Archive) -> tuple[Any, Any]:
+    """Return the root element of modelDescription.xml, and what fmpy makes of it."""
+    try:
+        if "modelDescription.xml" not in archive.names:
+            raise AdcsError("there is none")
+        root = parse(archive.read("modelDescription.xml", LARGEST_XML), "modelDescription.xml")
+        return root, fmpy.read_model_description(str(archive.path), validate=False)
+    except Exception as error:  # what is wrong in a way that fmpy has not thought of
+        raise _Unreadable(f"modelDescription.xml cannot be read: {' '.join(str(error).split())}") from error
+
+
+def _found(rule: str, messages: Iterable[str]) -> Iterator[Finding]:
+    try:
+        for message in messages:
+            text = " ".join(message.split())
+            yield Finding(rule, text, "note" if isinstance(message, Note) else "fault")
+    except AdcsError:
+        raise
+    except Exception as error:  # in a description that breaks its schema, of which there is a finding as well
+        yield Finding(rule, f"cannot be looked at: {' '.join(str(error).split())}")

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Column, Table
 
@@ -17,6 +18,7 @@ from fmus.catalog import Component
 from fmus.check import Finding, check
 from fmus.describe import Variable
 from fmus.errors import AdcsError
+from fmus.freshness import warn_if_outdated
 from fmus.pack import FILE_NAMES
 from fmus.paths import DIST
 
@@ -84,11 +86,18 @@ def list_command(as_json: Json = False) -> None:
 
 @app.command("info")
 def info_command(name: Annotated[str, typer.Argument(help="A component.")], as_json: Json = False) -> None:
-    """Show a component's variables with units, start values and bounds.
+    """Show a component's variables with units, start values and bounds, and which parameters can be tuned in a run.
 
     Examples: `adcs info RigidBody` · `adcs info RigidBody --json`
     """
+    show_component(name, as_json)
+
+
+def show_component(name: str, as_json: bool) -> None:
+    """Print what a component declares, which the component itself is asked for; AdcsError if there is none."""
     component = catalog.find(name)
+    for path in _paths(component).values():
+        warn_if_outdated(name, path)
     with _err.status("asking the component ...") if not as_json else _err.capture():
         description = describe(name)
     if as_json:
@@ -104,7 +113,8 @@ def info_command(name: Annotated[str, typer.Argument(help="A component.")], as_j
     for v in description.variables:
         if v.causality != "independent":
             size = " x ".join(map(str, v.shape))
-            table.add_row(v.name, v.causality, size, v.unit or "", _start(v), v.bounds, v.description)
+            causality = f"{v.causality}, tunable" if v.variability == "tunable" else v.causality
+            table.add_row(v.name, causality, size, v.unit or "", _start(v), v.bounds, v.description)
     _out.print(table)
 
 
@@ -117,6 +127,8 @@ def check_command(
     as_json: Json = False,
 ) -> None:
     """Check FMUs: standard, layout, binaries, and what validators miss. Exit code 1 if something is wrong.
+
+    A note is about what no standard forbids, but what some machine or tool cannot do with.
 
     Examples: `adcs check` · `adcs check RigidBody` · `adcs check path/to/some.fmu`
     """
@@ -131,10 +143,13 @@ def check_command(
     else:
         table = Table(Column("FMU", overflow="fold"), Column("Check", no_wrap=True), Column("Finding", overflow="fold"))
         for path, found in findings.items():
-            for finding in found or [Finding("", "[green]nothing wrong[/green]")]:
-                table.add_row(path.name, finding.rule, finding.message)
+            if not any(finding.severity == "fault" for finding in found):
+                table.add_row(escape(path.name), "", "[green]nothing wrong[/green]")
+            for finding in found:
+                rule = finding.rule if finding.severity == "fault" else f"{finding.rule} (note)"
+                table.add_row(escape(path.name), rule, escape(finding.message))
         _out.print(table)
-    if any(findings.values()):
+    if any(finding.severity == "fault" for found in findings.values() for finding in found):
         raise typer.Exit(1)
 
 

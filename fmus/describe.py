@@ -62,6 +62,10 @@ class Variable:
     """For each element the scalar value references it depends on during the run."""
     initial_dependencies: tuple[tuple[int, ...], ...] | None
     """The same during initialisation."""
+    is_seed: bool = False
+    """Whether it is the seed of random draws."""
+    condition: str | None = None
+    """What the variable as a whole has to be: `unit quaternion`, `inertia matrix`; which no XML attribute can say."""
     min_excluded: bool = False
     """Whether `min` itself is refused, which the XML of neither standard can say."""
 
@@ -72,7 +76,9 @@ class Variable:
 
     @property
     def bounds(self) -> str:
-        """The range of values in a few characters: `> 0`, `≤ 1.57`, `0 … 1`, empty if there is none."""
+        """The range of values in a few characters: `> 0`, `≤ 1.57`, `0 … 1`, or the condition; empty if any will do."""
+        if self.condition is not None:
+            return self.condition
         match (self.min, self.max):
             case (None, None):
                 return ""

@@ -3,3 +3,9 @@
 
 class AdcsError(Exception):
     """A refusal in one line: what is wrong, with its value, and the way out."""
+
+
+def shown(text: str, most: int = 200) -> str:
+    """Return a text that a user wrote as it may stand in a line: without breaks, and not endless."""
+    line = "".join(c if c.isprintable() else " " for c in text)
+    return line if len(line) <= most else f"{line[:most]}..."

@@ -13,6 +13,15 @@ from fmus.errors import AdcsError
 from fmus.paths import CHECKOUT
 from fmus.xml import serialised
 
+SEED_TYPE = "adcs.Seed"
+"""The declared type of a seed: it says, to any tool, that components of a kind need different values."""
+
+_SEED = (
+    "Seed of random draws. Components of the same kind with equal seeds have equal noise; other kinds are independent."
+)
+
+_FMI2_TYPES = {"Float64": "Real", "Int32": "Integer"}
+
 DEFAULT_EXPERIMENT = {"startTime": "0", "stopTime": "100", "tolerance": "1e-8", "stepSize": "0.01"}
 
 
@@ -42,7 +51,7 @@ def fmi2(d: Description, source_files: Iterable[str] = ()) -> bytes:
             files = _add(element, "SourceFiles")
             for name in source_files:
                 _add(files, "File", {"name": name})
-    _add_common(root, d)
+    _add_common(root, d, lambda types, name: _add(_add(types, "SimpleType", name), _FMI2_TYPES["Int32"]))
 
     scalars = [(v, i) for v in d.variables for i in range(v.size)]
     index = {v.vr + i: position for position, (v, i) in enumerate(scalars, 1)}
@@ -55,7 +64,7 @@ def fmi2(d: Description, source_files: Iterable[str] = ()) -> bytes:
             {
                 "name": v.element_names[i],
                 "valueReference": v.vr + i,
-                "description": v.description,
+                "description": _description(v),
                 "causality": v.causality,
                 "variability": v.variability,
                 "initial": v.initial,
@@ -63,7 +72,7 @@ def fmi2(d: Description, source_files: Iterable[str] = ()) -> bytes:
         )
         _add(
             scalar,
-            {"Float64": "Real", "Int32": "Integer"}[v.type],
+            _FMI2_TYPES[v.type],
             _number_attributes(v)
             | {
                 "start": None if v.start is None else _literal(v, v.start[i]),
@@ -81,6 +90,8 @@ def fmi2(d: Description, source_files: Iterable[str] = ()) -> bytes:
         if rows:
             group = _add(structure, name)
             for vr, knowns in rows.items():
+                if name != "InitialUnknowns":  # FMI 3.0 counts parameters among what is known during a run, FMI 2.0 not
+                    knowns = [k for k in knowns if d.at(k).causality != "parameter"]
                 attributes = {"index": index[vr], "dependencies": _join(sorted(index[k] for k in knowns))}
                 _add(group, "Unknown", attributes)
     return serialised(root)
@@ -97,14 +108,14 @@ def fmi3(d: Description) -> bytes:
     }
     _add(root, "ModelExchange", flags)
     _add(root, "CoSimulation", flags | {"canHandleVariableCommunicationStepSize": True, "hasEventMode": False})
-    _add_common(root, d)
+    _add_common(root, d, lambda types, name: _add(types, "Int32Type", name))
 
     variables = _add(root, "ModelVariables")
     for v in d.variables:
         attributes = {
             "name": v.name,
             "valueReference": v.vr,
-            "description": v.description,
+            "description": _description(v),
             "causality": v.causality,
             "variability": v.variability,
             "initial": v.initial,
@@ -181,10 +192,14 @@ def _root(d: Description, fmi_version: str, attributes: Mapping[str, object]) ->
     return root
 
 
-def _add_common(root: etree._Element, d: Description) -> None:
+def _add_common(
+    root: etree._Element, d: Description, add_integer_type: Callable[[etree._Element, dict[str, str]], object]
+) -> None:
     units = _add(root, "UnitDefinitions")
     for unit in d.units:
         _add_unit(units, unit)
+    if any(v.is_seed for v in d.variables):
+        add_integer_type(_add(root, "TypeDefinitions"), {"name": SEED_TYPE, "description": _SEED})
     categories = _add(root, "LogCategories")
     for category in d.log_categories:
         _add(categories, "Category", {"name": category.name, "description": category.description})
@@ -203,8 +218,14 @@ def _add_unit(units: etree._Element, unit: Unit) -> None:
         _add(element, "DisplayUnit", {"name": display.name, "factor": display.factor})
 
 
+def _description(v: Variable) -> str:
+    """With what no attribute can say."""
+    return v.description if v.condition is None else f"{v.description} ({v.condition})"
+
+
 def _number_attributes(v: Variable) -> dict[str, object]:
     return {
+        "declaredType": SEED_TYPE if v.is_seed else None,
         "unit": v.unit,
         "displayUnit": v.display_unit,
         "min": None if v.min is None else _literal(v, v.min),

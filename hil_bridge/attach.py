@@ -18,6 +18,7 @@ import numpy as np
 from fmus.errors import AdcsError
 from hil_bridge.commands import Commandable
 from hil_bridge.endpoints import Place
+from hil_bridge.forecast import Forecast
 from hil_bridge.link import Link
 from hil_bridge.mapping import Signals
 from hil_bridge.parameters import Parameter, parameters
@@ -26,11 +27,12 @@ from hil_bridge.settings import ALLOWED, Settings, Snapshot
 from hil_bridge.trial import Trial
 from hil_bridge.vehicle import Vehicle
 from orchestration.live import Change
-from orchestration.session import CoSimulation
+from orchestration.session import ENDLESS, CoSimulation
 from orchestration.system import System
 
-_TRIALS = 10.0  # values that are tried in a second; more wait, since a trial takes the simulation's time
+_SHARE = 0.2  # of the run's time that trials of what ground stations want may take; what is beyond waits
 _MOST_WAITING = 200
+_MOST_COMMANDS = 100_000  # that are kept of a run without an end
 _PATIENCE = 20.0  # s, for a process to start
 
 
@@ -76,7 +78,10 @@ class Bridge:
         self._process: subprocess.Popen[str] | None = None
         self._report: dict[str, Any] = {}
         self._not_taken = 0
-        self._trials = Bucket(_TRIALS, _TRIALS)
+        self._forecast: Forecast | None = None
+        self._trials = Bucket(_SHARE, _SHARE)
+        self._tried, self._tried_for = 0, 0.0  # s
+        self._commands_not_kept = 0
         self.endpoints: list[str] = []
 
     def __enter__(self) -> Bridge:
@@ -104,7 +109,7 @@ class Bridge:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.close(_ending(error))
+        self._end(error)
 
     @property
     def pid(self) -> int:
@@ -118,11 +123,15 @@ class Bridge:
         if self._where is None:
             self._where = _places(simulation, self.signals)
         point = simulation.k - 1
-        t = simulation.start + point * simulation.step
+        t = simulation.grid.time(point)
         self._link.snapshot(Snapshot(point, t, simulation.row[self._where]))
         for note in self._link.received():
-            if isinstance(note, dict) and note["what"] == "change" and len(self._waiting) < _MOST_WAITING:
+            if not isinstance(note, dict) or note["what"] != "change":
+                continue
+            if len(self._waiting) < _MOST_WAITING:
                 self._waiting.append(note)
+            elif note["kind"] == "param":
+                self._answer(note, "Too many changes at once: one was left out")
         if simulation.k > simulation.last:
             return []
         changes = [change for note in self._next() for change in self._made(simulation, note)]
@@ -130,15 +139,28 @@ class Bridge:
 
     def report(self) -> dict[str, Any]:
         """End, and return what the manifest is to have: commands as [time, name, value, source], and counters."""
-        self.close(_ending(sys.exc_info()[1]))
+        self._end(sys.exc_info()[1])
         counters = {"endpoints": self.endpoints, **self._report, "points_not_taken": self._not_taken}
+        if self._tried:
+            counters |= {"trials": self._tried, "trials_s": self._tried_for}
+        if self._commands_not_kept:
+            counters["commands_not_kept"] = self._commands_not_kept
         return {"commands": self.commands, "mavlink": counters}
 
-    def close(self, text: str = "Run ended") -> None:
+    def _end(self, error: BaseException | None) -> None:
+        text, failed = _ending(error)
+        if failed and self.commands:
+            time, name, value, source = self.commands[-1]
+            text += f"; the last change was {name} = {value} at t = {time:.6g} s by {source}"
+        self.close(text, failed)
+
+    def close(self, text: str = "Run ended", failed: bool = False) -> None:
         """End the process and fetch its counters."""
+        if self._forecast is not None:
+            self._forecast.close()
         if self._link is None or self._process is None:
             return
-        self._link.note({"what": "end", "text": text})
+        self._link.note({"what": "end", "text": text, "failed": failed})
         self._end_process()
         self._not_taken = self._link.lost
         self._link.close()
@@ -158,40 +180,92 @@ class Bridge:
         self._process.stdout.close()
 
     def _next(self) -> list[dict[str, Any]]:
-        """What is to be done at this point, parameters in their order; of attitude targets only the newest counts."""
+        """What is to be done at this point, parameters in their order; of all else only the newest of a kind counts.
+
+        At most one of those that are to be tried is among them, and none while trials have had their share of the time.
+        """
+        newest = {note["kind"]: note["number"] for note in self._waiting}
         now: list[dict[str, Any]] = []
         later: list[dict[str, Any]] = []
+        may_try = self._trials.take(monotonic(), 0.0)
         for note in self._waiting:
-            waits = note["kind"] == "param" and (later or not self._trials.take(monotonic()))
-            (later if waits else now).append(note)
+            if note["kind"] != "param" and note["number"] != newest[note["kind"]]:
+                continue
+            if not self._is_tried(note):
+                now.append(note)
+            elif may_try:
+                may_try = False
+                now.append(note)
+            else:
+                later.append(note)
         self._waiting = later
-        newest = max((i for i, note in enumerate(now) if note["kind"] == "attitude"), default=-1)
-        return [note for i, note in enumerate(now) if note["kind"] != "attitude" or i == newest]
+        return now
+
+    def _is_tried(self, note: dict[str, Any]) -> bool:
+        """Parameters, and rates of a target: any attitude is one that the law can turn to, but not any rate."""
+        if note["kind"] == "param":
+            return True
+        point = self.settings.point
+        if point is None or point.rate is None:
+            return False
+        rate = next((value for name, value in note["changes"] if name == point.rate), ())
+        return any(rate) and rate != self._last.get(point.rate)
+
+    def _refused(self, simulation: CoSimulation, changes: Sequence[tuple[str, Any]], param: bool) -> str | None:
+        """Try values: on a copy of the component, which says by itself what it refuses, then on one of the system."""
+        began = monotonic()
+        self._forecast = self._forecast or Forecast(simulation)
+        try:
+            if param:
+                for name, value in changes:
+                    if (refused := self._trial.refused(name, value)) is not None:
+                        return refused
+            ended = self._forecast.refused(changes)
+            if ended is not None:
+                values = ", ".join(f"{name} = {_plain(value)}" for name, value in changes)
+                return f"{values} refused: the run would end with it: {ended}"
+            if param:
+                self._trial.keep(changes)
+            return None
+        finally:
+            took = monotonic() - began
+            self._trials.spend(took)
+            self._tried, self._tried_for = self._tried + 1, self._tried_for + took
 
     def _made(self, simulation: CoSimulation, note: dict[str, Any]) -> list[Change]:
         """Changes for the next point, recorded and confirmed; none if the component would refuse them."""
-        assert self._link is not None
         changes = []
         refused: str | None = None
         try:
             for name, flat in note["changes"]:
                 value = _shaped(simulation.system, name, flat)
                 simulation.check_change(name, value)
-                if note["kind"] == "param":
-                    refused = refused or self._trial.refused(name, value)
                 changes.append(Change(simulation.k, name, value))
+            if self._is_tried(note):
+                refused = self._refused(simulation, [(c.name, c.value) for c in changes], note["kind"] == "param")
         except AdcsError as error:
             refused = str(error)
         if refused is None:
-            if note["kind"] == "attitude":  # is repeated all the time: only what is new counts
+            if note["kind"] != "param":  # is repeated all the time: only what is new counts
                 changes = [c for c in changes if self._last.get(c.name) != _plain(c.value)]
             self._last.update({c.name: _plain(c.value) for c in changes})
-            self.commands += [[simulation.time, c.name, _plain(c.value), note["source"]] for c in changes]
+            self._keep(simulation, changes, note["source"])
             if note["kind"] == "attitude" and self.settings.point is not None:
                 self._engaged = self._last.get(self.settings.point.engaged or "") == 1
                 self._engaged_at = monotonic()
-        self._link.note({"what": "answer", "number": note["number"], "refused": refused})
+        self._answer(note, refused)
         return changes if refused is None else []
+
+    def _keep(self, simulation: CoSimulation, changes: Sequence[Change], source: str) -> None:
+        """Record changes; all of them, unless the run has no end."""
+        if simulation.last == ENDLESS and len(self.commands) + len(changes) > _MOST_COMMANDS:
+            self._commands_not_kept += len(changes)
+            return
+        self.commands += [[simulation.time, c.name, _plain(c.value), source] for c in changes]
+
+    def _answer(self, note: dict[str, Any], refused: str | None) -> None:
+        assert self._link is not None
+        self._link.note({"what": "answer", "number": note["number"], "refused": refused})
 
     def _released(self, simulation: CoSimulation) -> list[Change]:
         """Give guidance the attitude back when the bridge, which looks after the timeout, is gone."""
@@ -206,10 +280,11 @@ class Bridge:
         return [Change(simulation.k, point.engaged, 0)]
 
 
-def _ending(error: BaseException | None) -> str:
+def _ending(error: BaseException | None) -> tuple[str, bool]:
+    """How a run ended, in words, and whether it failed."""
     if error is None:
-        return "Run ended"
-    return f"Run failed: {error}" if isinstance(error, Exception) else "Run interrupted"
+        return "Run ended", False
+    return (f"Run failed: {error}", True) if isinstance(error, Exception) else ("Run interrupted", False)
 
 
 def _columns(system: System, signals: Signals) -> list[tuple[str, int, int]]:
@@ -271,14 +346,14 @@ class Recorder:
         if self._where is None:
             self._where = _places(simulation, self._signals)
         point = simulation.k - 1
-        t = simulation.start + point * simulation.step
+        t = simulation.grid.time(point)
         self._log.point(Snapshot(point, t, simulation.row[self._where]))
         return ()
 
     def report(self) -> dict[str, Any]:
         """Return what the manifest of the run is to have."""
-        self._log.close(_ending(sys.exc_info()[1]))
-        return {"tlog": self._log.path}
+        self._log.close(*_ending(sys.exc_info()[1]))
+        return {"tlog": self._log.path, **({"tlog_incomplete": self._log.trouble} if self._log.trouble else {})}
 
     def __enter__(self) -> Recorder:
         return self
@@ -286,4 +361,4 @@ class Recorder:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._log.close(_ending(error))
+        self._log.close(*_ending(error))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -19,6 +20,7 @@ from hil_bridge.options import Options, attached
 from hil_bridge.parameters import parameters
 from hil_bridge.replay import replay as replay_log
 from orchestration.grid import Grid
+from orchestration.instance import EndRequested
 from orchestration.live import Pace
 from orchestration.named import find_system
 from orchestration.session import ENDLESS, CoSimulation
@@ -139,6 +141,8 @@ def bridge(
             _go(simulation, watcher, pace)
         except KeyboardInterrupt:
             console.print(f"ended at t = {simulation.time:g} s")
+        if simulation.ended is not None:
+            console.print(str(simulation.ended), markup=False)
         report = watcher.report()
     _show(console, report, pace)
 
@@ -148,13 +152,14 @@ def _go(simulation: CoSimulation, watcher: Bridge, pace: Pace) -> None:
         pace.wait(simulation.k)
         simulation.propagate()
         row = simulation.k
-        if row < simulation.last:
-            simulation.move_on()
+        if row < simulation.last and simulation.ended is None:
+            with suppress(EndRequested):
+                simulation.move_on()
         else:
             simulation.k += 1
         for change in watcher(simulation):
             change.apply(simulation)
-        if row >= simulation.last:
+        if row >= simulation.last or simulation.ended is not None:
             return
 
 

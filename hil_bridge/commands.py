@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from fmus.errors import AdcsError
@@ -32,7 +33,7 @@ def make_commandable(system: System, signals: Signals, allow: list[str]) -> tupl
     if "arm" in allow and "torque" in roles:
         made, roles["torque"] = _with_switch(system, made, roles["torque"])
     if "attitude" in allow:
-        made = _with_command(system, made)
+        made = _with_command(system, made, roles)
         if made.point is not None and made.point.engaged is not None:
             roles |= {"reference": f"{COMMAND}.q_SN", "reference_rate": f"{COMMAND}.omega_SN_S"}
     return made, replace(signals, roles=roles)
@@ -49,8 +50,11 @@ def _with_switch(system: System, made: Commandable, torque: str) -> tuple[Comman
     return replace(made, arm=enabled, own_variables=(*made.own_variables, enabled)), f"{SWITCH}.torque_applied_B"
 
 
-def _with_command(system: System, made: Commandable) -> Commandable:
-    """Between guidance and all that follow it; or directly, where a law has the target as a parameter."""
+def _with_command(system: System, made: Commandable, roles: Mapping[str, str]) -> Commandable:
+    """Between guidance and all that follow it; or directly, where a law has the target as a parameter.
+
+    Of a commanded quaternion and its negative the one nearer to the attitude counts that the law itself is given.
+    """
     sources = {
         part: {c.source for c in system.connections if c.target.endswith(f".{part}") and c.plain and not c.delayed}
         for part, _ in _PARTS
@@ -61,6 +65,7 @@ def _with_command(system: System, made: Commandable) -> Commandable:
         for part, selected in _PARTS:
             _redirect(system, taken[part], f"{COMMAND}.{selected}")
             system.connect(next(iter(sources[part])), f"{COMMAND}.{part}")
+        _tell_attitude(system, [c.target.partition(".")[0] for c in taken["q_RN"]], roles)
         system.set(f"{COMMAND}.q_CN", [1.0, 0.0, 0.0, 0.0])
         system.set(f"{COMMAND}.omega_CN_C", [0.0, 0.0, 0.0])
         point = Pointing(f"{COMMAND}.q_CN", f"{COMMAND}.omega_CN_C", f"{COMMAND}.engaged")
@@ -71,6 +76,17 @@ def _with_command(system: System, made: Commandable) -> Commandable:
         if port is not None and port.causality == "parameter" and port.variability == "tunable" and port.shape == (4,):
             return replace(made, point=Pointing(f"{component.name}.q_RN"))
     return made
+
+
+def _tell_attitude(system: System, laws: Sequence[str], roles: Mapping[str, str]) -> None:
+    """Feed the attitude by which the component chooses the sign of a command: that which the laws see."""
+    seen = [c.source for c in system.connections if c.target in {f"{law}.q_BN" for law in laws} and c.plain]
+    shown = [roles[role] for role in ("attitude", "true_attitude") if role in roles]
+    found = next((name for name in [*seen, *shown] if system.port(name)[1].shape == (4,)), None)
+    if found is None:
+        system.set(f"{COMMAND}.q_BN", [1.0, 0.0, 0.0, 0.0])
+    else:
+        system.connect(found, f"{COMMAND}.q_BN")
 
 
 def _redirect(system: System, taken: list[Connection], source: str) -> None:

@@ -20,6 +20,7 @@ DEFAULTS = ("udpout:127.0.0.1:14550", "udpout:127.0.0.1:14540")
 MOST_PEERS = 16
 
 _RATE, _BURST = 200.0, 400.0  # messages per second that a source may send
+_FRAME = 280  # bytes of the longest message; so many more that are none count as one
 _IDLE = 10.0  # s without a word, after which a source is forgotten
 _STALLED = 5.0  # s in which a TCP partner takes nothing, after which it is left
 _SEND_BUFFER = 1 << 16
@@ -75,7 +76,11 @@ class Place:
 
 
 class Peer:
-    """One partner: its codec, how often it may speak, and what it is sent (`stream` is the vehicle's to use)."""
+    """One partner: its codec, how often it may speak, and what it is sent.
+
+    `stream`, `spoke` and `beat` (the times [s] of its last message and of the heartbeat before the next) are the
+    vehicle's to use.
+    """
 
     def __init__(self, name: str, codec: Codec, now: float, write: Callable[[bytes], bool]) -> None:
         self.name, self.codec, self.heard = name, codec, now
@@ -83,6 +88,7 @@ class Peer:
         self.stream: Any = None
         self.spoke: float | None = None
         self.queue: deque[Any] = deque()
+        self.beat = -1e9
         self._write = write
         self.lost = 0
         self.sent = 0
@@ -137,13 +143,14 @@ class Endpoint:
         return False
 
     def _messages(self, peer: Peer, data: bytes, whole: bool, now: float) -> Iterator[tuple[Peer, Any]]:
-        if not peer.bucket.take(now):  # before it costs anything
+        paid = max(1, len(data) // _FRAME)
+        if not peer.bucket.take(now, paid):  # before it costs anything
             self.counters.limited += 1
             return
         good, bad = peer.codec.parsed(data, whole)
         self.counters.bad += bad
         for n, message in enumerate(good):
-            if n and not peer.bucket.take(now):
+            if n >= paid and not peer.bucket.take(now):
                 self.counters.limited += 1
                 continue
             peer.heard = now

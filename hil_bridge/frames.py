@@ -138,7 +138,7 @@ def quaternion(C_BF: Floats) -> Floats:
         q[j] = C[i - 1][j - 1] + C[j - 1][i - 1]
         q[k] = C[i - 1][k - 1] + C[k - 1][i - 1]
     q[i] = squares[i]
-    return unit(-np.array(q) if q[0] < 0 else np.array(q))
+    return unit(canonical(q))
 
 
 def unit(q: ArrayLike) -> Floats:
@@ -165,6 +165,21 @@ def multiply(q_BG: ArrayLike, q_GF: ArrayLike) -> Floats:
 def conjugate(q: ArrayLike) -> Floats:
     """Return q_FB (4,) of q_BF."""
     return np.asarray(q, float) * [1.0, -1.0, -1.0, -1.0]
+
+
+def canonical(q: ArrayLike) -> Floats:
+    """Return the one of q and -q (4,), which are the same attitude, whose scalar part is not negative."""
+    values = np.asarray(q, float)
+    return -values if values[0] < 0 else values
+
+
+def nearest(q: ArrayLike, to: ArrayLike) -> Floats:
+    """Return the one of q and -q (4,) that is nearest to another quaternion, as four numbers.
+
+    Control laws tell q from -q: from one of them to the other they turn the body by a whole revolution.
+    """
+    values = np.asarray(q, float)
+    return -values if float(values @ np.asarray(to, float)) < 0 else values
 
 
 def rotation_angle(q: ArrayLike) -> float:

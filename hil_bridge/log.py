@@ -46,8 +46,13 @@ class Logbook:
         state = self._vehicle.state
         return self._vehicle.scene.earth.unix_time(self._vehicle.settings.start if state is None else state.t)
 
+    @property
+    def trouble(self) -> str:
+        """Why the log ends before the run, if it does."""
+        return self._writer.trouble
+
     def close(self) -> int:
-        """Close the file; return how many frames are in it."""
+        """Close the file; return how many frames were written."""
         self._writer.close()
         return self._writer.frames
 
@@ -72,9 +77,14 @@ class Log:
         for event in self._watch.seen(state):
             self._book.say(self._vehicle.text(event.text, event.severity))
 
-    def close(self, text: str) -> None:
+    @property
+    def trouble(self) -> str:
+        """Why the log ends before the run, if it does."""
+        return self._book.trouble
+
+    def close(self, text: str, failed: bool = False) -> None:
         """Write how it ended, and close the file; may be called twice."""
         if self._open:
             self._open = False
-            self._book.say(self._vehicle.text(text))
+            self._book.say(self._vehicle.end(text, failed))
             self._book.close()

@@ -130,12 +130,15 @@ def _read(path: Path, roles: dict[str, str], shown: dict[str, str]) -> None:
             content = tomllib.load(file)
     except OSError as error:
         raise AdcsError(f"--map {path}: expected ROLE=COMPONENT.VARIABLE or a TOML file ({error.strerror})") from None
-    except tomllib.TOMLDecodeError as error:
-        raise AdcsError(f"{path}: {error}") from None
+    except (ValueError, RecursionError) as error:  # no TOML, no UTF-8, a path with NUL, brackets without end
+        raise AdcsError(f"{' '.join(str(path).split())}: {' '.join(str(error).split())}") from None
     for table, into in (("roles", roles), ("shown", shown)):
-        into.update({str(key): str(value) for key, value in content.pop(table, {}).items()})
+        lines = content.pop(table, {})
+        if not isinstance(lines, dict) or not all(isinstance(value, str) for value in lines.values()):
+            raise AdcsError(f'{path}: expected lines like attitude = "plant.q_BN" under [{table}]')
+        into.update(lines)
     if content:
-        raise AdcsError(f"{path}: {', '.join(content)} is unknown, there are [roles] and [shown]")
+        raise AdcsError(f"{path}: {', '.join(map(repr, content))} is unknown, there are [roles] and [shown]")
 
 
 def _default(system: System, role: str, outputs: Sequence[str]) -> str | None:

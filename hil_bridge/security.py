@@ -19,6 +19,9 @@ _ZERO = 1420070400  # s, 2015-01-01: signing counts 10 us since then
 _TICKS = 100_000  # per second
 _AHEAD = 60 * _TICKS  # how far the clock of a partner may be ahead of ours, or behind
 _BLOCK = 13  # bytes: link, time, signature
+_RESERVE = _TICKS  # how far the times in the file are ahead of those that were used: a second
+_MOST_SENDERS = 256
+_MOST_PARSED = 4096  # bytes of a stream that are kept though they are parsed
 
 
 @dataclass
@@ -42,15 +45,26 @@ class Bucket:
         self._level -= amount
         return True
 
+    def spend(self, amount: float) -> None:
+        """Take what it cost, known afterwards; at most as much again as passes at once is owed."""
+        self._level = max(-self.burst, self._level - amount)
+
 
 class Keyring:
-    """The key of a link, and the newest time seen of each sender, kept in a file so that a restart forgets nothing."""
+    """The key of a link, and the newest time seen of each sender, kept in a file so that a restart forgets nothing.
+
+    The file is ahead of what was seen: before a time is accepted that is later than those in it, a time one second
+    later still is written. So whatever kills the program, nothing that it accepted is accepted again; the sender may
+    have to wait for that second. The same holds for the times of what is sent.
+    """
 
     def __init__(self, key: bytes, path: Path | None = None, clock: Callable[[], float] = time) -> None:
         """`key` has 32 bytes; `path` is where times are kept; `clock` gives UNIX time [s]."""
         self.key, self._path, self._clock = key, path, clock
         self.seen: dict[tuple[int, int, int], int] = {}
         self._sent = 0
+        self.trouble = ""
+        """Why the file cannot be written; nothing is accepted then."""
         if path is not None and path.exists():
             try:
                 content = json.loads(path.read_text())
@@ -58,6 +72,7 @@ class Keyring:
                 self._sent = int(content["sent"])
             except (ValueError, KeyError, TypeError) as error:
                 raise AdcsError(f"{path} does not hold the times of signed messages: {error}; remove it") from None
+        self._written, self._sent_written = dict(self.seen), self._sent
 
     @classmethod
     def open(cls, path: Path, state: Path | None = None) -> Keyring:
@@ -77,6 +92,8 @@ class Keyring:
     def now(self) -> int:
         """The time for the next message that is sent: later than all before, also those before a restart."""
         self._sent = max(self._sent + 1, self._ticks())
+        if self._sent > self._sent_written:
+            self._reserve()
         return self._sent
 
     def accepts(self, frame: bytes, system: int, component: int) -> bool:
@@ -89,16 +106,44 @@ class Keyring:
         own = self._ticks()
         if not own - _AHEAD <= ticks <= own + _AHEAD or ticks <= self.seen.get(sender, 0):
             return False
+        if sender not in self.seen and len(self.seen) >= _MOST_SENDERS:
+            return False
+        if ticks > self._written.get(sender, 0) and not self._reserve(sender, ticks):
+            return False
         self.seen[sender] = ticks
         return True
 
     def save(self) -> None:
-        """Write the times to the file, whole or not at all."""
+        """Write the times as they are, at an end that was planned; AdcsError if that cannot be done."""
+        self._written, self._sent_written = dict(self.seen), self._sent
+        if not self._write():
+            raise AdcsError(f"cannot write the times of signed messages: {self.trouble}")
+
+    def _reserve(self, sender: tuple[int, int, int] | None = None, ticks: int = 0) -> bool:
+        """Write times that lie ahead, before they are used; whether that was possible."""
+        if sender is not None:
+            self._written[sender] = ticks + _RESERVE
+        self._sent_written = max(self._sent_written, self._sent + _RESERVE)
+        if self._write():
+            return True
+        if sender is not None:
+            del self._written[sender]
+        return False
+
+    def _write(self) -> bool:
+        """Replace the file, whole or not at all."""
         if self._path is None:
-            return
+            return True
         new = self._path.with_suffix(".new")
-        new.write_text(json.dumps({"sent": self._sent, "seen": [[*key, t] for key, t in self.seen.items()]}))
-        new.replace(self._path)
+        try:
+            new.write_text(
+                json.dumps({"sent": self._sent_written, "seen": [[*key, t] for key, t in self._written.items()]})
+            )
+            new.replace(self._path)
+        except OSError as error:
+            self.trouble = f"{self._path}: {error.strerror or error}"
+            return False
+        return True
 
     def _ticks(self) -> int:
         return int((self._clock() - _ZERO) * _TICKS)
@@ -137,6 +182,8 @@ class Codec(mavlink.MAVLink):  # type: ignore[misc]  # which has no types
                 bad += 1
             else:
                 good.append(message)
+        if self.buf_index > _MOST_PARSED:  # pymavlink frees nothing as long as a frame is not complete
+            self.buf, self.buf_index = self.buf[self.buf_index :], 0
         return good, bad + (whole and self.buf_len() > 0)
 
     def check_signature(self, msgbuf: bytearray, srcSystem: int, srcComponent: int) -> bool:

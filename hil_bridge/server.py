@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import select
 from collections.abc import Iterator
+from contextlib import suppress
 from math import inf
 from pathlib import Path
 from time import monotonic
 from typing import Any
 
+from fmus.errors import AdcsError
 from hil_bridge.endpoints import Endpoint, Peer, Place, open_endpoint
 from hil_bridge.events import Event, Limits, Watch
 from hil_bridge.link import Link
@@ -18,9 +20,7 @@ from hil_bridge.settings import COMPONENT_ID, SYSTEM_ID, Settings, Snapshot
 from hil_bridge.vehicle import Changes, Vehicle
 
 _LOOK = 0.02  # s
-_BEAT = 1.0  # s, between heartbeats even when the simulation stands still
 _GRACE = 0.5  # s, for the last word of a simulation
-_SAVE = 5.0  # s, between writing times of signed messages
 _BACKLOG = 64  # snapshots; of more the oldest are left out
 
 
@@ -35,6 +35,7 @@ class Server:
         self.keyring = None if settings.key is None else Keyring.open(Path(settings.key), state)
         self.endpoints: list[Endpoint] = []
         self._log: Logbook | None = None
+        self._log_trouble = ""
         self._stopped = False
         self._last_chance = inf
         self._left_out = 0
@@ -45,6 +46,8 @@ class Server:
                 place = Place.parse(text, settings.exposed)
                 allowed = settings.peers
                 self.endpoints.append(open_endpoint(place, SYSTEM_ID, COMPONENT_ID, self.keyring, allowed, monotonic()))
+            if self.keyring is not None:
+                self.keyring.save()  # if that is not possible, it is said now
             if settings.tlog is not None:
                 self._log = Logbook(Path(settings.tlog), self.vehicle)
         except BaseException:
@@ -54,7 +57,7 @@ class Server:
     def serve(self) -> None:
         """Go on until the simulation says that it has ended, or `stop`."""
         self._say([*self.vehicle.text("Run started")])
-        beat = save = 0.0
+        warned = False
         try:
             while not self._stopped and monotonic() < self._last_chance:
                 sockets = [self.link.socket, *(s for e in self.endpoints for s in e.sockets)]
@@ -64,16 +67,16 @@ class Server:
                     endpoint.tend(now)
                 self._hear(readable, now)
                 self._follow()
-                if now - beat >= _BEAT:
-                    beat = now
-                    self._to_all([self.vehicle.heartbeat()])
                 self._say(self.vehicle.tick(now))
                 for peer in self._peers():
+                    self.vehicle.beat(peer, now)
                     self.vehicle.flush(peer)
-                if self.keyring is not None and now - save >= _SAVE:
-                    save = now
-                    self.keyring.save()
+                if self.keyring is not None and self.keyring.trouble and not warned:
+                    warned = True
+                    self._say(self.vehicle.text(f"Signed messages are refused: {self.keyring.trouble}"))
                 self._busy += monotonic() - now
+            if not self._stopped:
+                self._say(self.vehicle.end("Run broken off: the simulation is gone", failed=True))
         finally:
             self.close()
 
@@ -94,9 +97,11 @@ class Server:
             endpoint.close()
         if self._log is not None:
             self._log.close()
+            self._log_trouble = self._log.trouble
             self._log = None
         if self.keyring is not None:
-            self.keyring.save()
+            with suppress(AdcsError):  # what was written ahead holds
+                self.keyring.save()
 
     def report(self) -> dict[str, Any]:
         """Counters of all endpoints, and how many points came too fast."""
@@ -104,6 +109,7 @@ class Server:
             "endpoints": [endpoint.report() for endpoint in self.endpoints],
             "points_left_out": self._left_out,
             "busy": self._load(),
+            **({"tlog_incomplete": self._log_trouble} if self._log_trouble else {}),
         }
 
     def _load(self) -> float:
@@ -132,7 +138,7 @@ class Server:
             elif item["what"] == "end":
                 self._take(points)
                 points = []
-                self._say(self.vehicle.text(item["text"]))
+                self._say(self.vehicle.end(item["text"], item["failed"]))
                 self._stopped = True
         self._take(points)
 

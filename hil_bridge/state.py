@@ -111,7 +111,11 @@ class State:
     def shown(self, role: str) -> Floats | None:
         """Return a role's quaternion (4,) relative to the frame that is shown."""
         q = self.inertial(role)
-        return None if q is None or self.q_FN is None else _near(frames.multiply(q, frames.conjugate(self.q_FN)))
+        return (
+            None
+            if q is None or self.q_FN is None
+            else frames.canonical(frames.multiply(q, frames.conjugate(self.q_FN)))
+        )
 
     @cached_property
     def attitude(self) -> Floats | None:
@@ -153,7 +157,3 @@ class State:
     def _angle(self, a: str, b: str) -> float | None:
         q, p = self.inertial(a), self.inertial(b)
         return None if q is None or p is None else frames.rotation_angle(frames.multiply(p, frames.conjugate(q)))
-
-
-def _near(q: Floats) -> Floats:
-    return -q if q[0] < 0 else q

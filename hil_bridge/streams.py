@@ -73,6 +73,8 @@ class Streams:
             if not interval:
                 continue
             due = self._due.get(id_, now)
+            if due - now > 2 * interval:  # time went back
+                due = now
             if now >= due - 1e-6:
                 missed = max(0, int((now - due) / interval))
                 self._due[id_] = due + (missed + 1) * interval

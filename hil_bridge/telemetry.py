@@ -53,8 +53,12 @@ def heartbeat(report: Report) -> Iterator[Message]:
     yield heartbeat_of(report.armed, report.pointing)
 
 
-def heartbeat_of(armed: bool, pointing: bool) -> Message:
-    """Return a heartbeat; armed is a closed control loop, pointing an attitude that a ground station commands."""
+def heartbeat_of(armed: bool, pointing: bool, over: int | None = None) -> Message:
+    """Return a heartbeat; armed is a closed control loop, pointing an attitude that a ground station commands.
+
+    `over` is the MAV_STATE of a run that is over: it is not armed any more.
+    """
+    armed, pointing = armed and over is None, pointing and over is None
     mode = mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
     if armed:
         mode |= mavlink.MAV_MODE_FLAG_SAFETY_ARMED | mavlink.MAV_MODE_FLAG_STABILIZE_ENABLED
@@ -64,7 +68,7 @@ def heartbeat_of(armed: bool, pointing: bool) -> Message:
         mavlink.MAV_AUTOPILOT_GENERIC,
         mode,
         _OFFBOARD if pointing else _HOLD,
-        mavlink.MAV_STATE_ACTIVE if armed else mavlink.MAV_STATE_STANDBY,
+        over if over is not None else mavlink.MAV_STATE_ACTIVE if armed else mavlink.MAV_STATE_STANDBY,
         3,
     )
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 
@@ -16,9 +18,14 @@ _SIGNED, _SIGNATURE = 0x01, 13
 
 
 class TlogWriter:
-    """Writes a log. What is written is in the file after each `flush`."""
+    """Writes a log. What is written is in the file after each `flush`.
+
+    A file that cannot be opened is refused. A disk that is full later on ends the log, not the run: one line says so
+    on stderr, and `trouble` why.
+    """
 
     def __init__(self, path: Path) -> None:
+        self.path, self.trouble = path, ""
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = path.open("wb")
@@ -30,16 +37,31 @@ class TlogWriter:
     def write(self, unix_time: float, frame: bytes) -> None:
         """Add a frame; times never go back."""
         self._last = max(self._last, microseconds(unix_time))
-        self._file.write(self._last.to_bytes(8, "big") + frame)
-        self.frames += 1
+        if self.trouble:
+            return
+        with self._lenient():
+            self._file.write(self._last.to_bytes(8, "big") + frame)
+            self.frames += 1
 
     def flush(self) -> None:
         """Hand all to the file."""
-        self._file.flush()
+        if not self.trouble:
+            with self._lenient():
+                self._file.flush()
 
     def close(self) -> None:
         """Close the file."""
-        self._file.close()
+        with self._lenient():
+            self._file.close()
+
+    @contextmanager
+    def _lenient(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            if not self.trouble:
+                self.trouble = f"{self.path}: {error.strerror or error}"
+                print(f"adcs: the telemetry log ends here, the run goes on: {self.trouble}", file=sys.stderr)
 
     def __enter__(self) -> TlogWriter:
         return self

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ class Trial:
         self._set: dict[str, Any] = {}
 
     def refused(self, name: str, value: Any) -> str | None:
-        """Return why a value cannot be set, None if it can; it counts as set then."""
+        """Return why a value cannot be set, None if it can."""
         component = self._system.components[name.partition(".")[0]]
         copy = System("trial")
         try:
@@ -30,8 +31,11 @@ class Trial:
                 simulation.move_on()
         except AdcsError as error:
             return str(error)
-        self._set[name] = value
         return None
+
+    def keep(self, changes: Sequence[tuple[str, Any]]) -> None:
+        """Remember values that were set."""
+        self._set.update(changes)
 
     def _start(self, name: str) -> dict[str, Any]:
         """All start values of the component; what is connected in the system has one too, as nothing feeds it here."""

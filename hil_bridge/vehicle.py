@@ -15,6 +15,7 @@ from pymavlink.dialects.v20 import common as mavlink
 from fmus.errors import AdcsError
 from hil_bridge import frames
 from hil_bridge.endpoints import Peer
+from hil_bridge.frames import Floats
 from hil_bridge.parameters import Parameter
 from hil_bridge.settings import COMPONENT_ID, SYSTEM_ID, Settings
 from hil_bridge.state import Scene, State
@@ -32,6 +33,8 @@ _FORGOTTEN = 10.0  # s of silence, after which a ground station is greeted anew
 _BATCH = 10  # queued messages that go out at once
 _MOST_QUEUED = 500
 _MOST_ID = 65535
+_MOST_PENDING, _MOST_WARNINGS = 100, 64
+_LOST = 30.0  # s, after which the simulation's answer to a change is not waited for any more
 
 _CAPABILITIES = (
     mavlink.MAV_PROTOCOL_CAPABILITY_MAVLINK2
@@ -40,6 +43,7 @@ _CAPABILITIES = (
 )
 _FTP_NAK, _FTP_OPEN, _FTP_NOT_FOUND, _FTP_UNKNOWN = 129, (4, 6, 7), 10, 7
 _OFFBOARD = 6  # PX4's number of the mode
+_UNDECIDED = 0.05  # cosine of half the angle to the target: within 6 deg of half a revolution
 
 
 @dataclass
@@ -49,6 +53,7 @@ class _Pending:
     peer: Peer
     parameters: Sequence[Parameter]
     values: Sequence[float]
+    since: float  # s
 
 
 class Vehicle:
@@ -61,6 +66,7 @@ class Vehicle:
         self.settings, self.scene = settings, Scene(settings)
         self._rates = message_rates(settings)
         self.armed, self.pointing = True, False
+        self.over: int | None = None
         self.state: State | None = None
         self.report: Report | None = None
         self._request = request
@@ -68,6 +74,9 @@ class Vehicle:
         self._number = 0
         self._text_id = 0
         self._setpoint_at = -1e9
+        self._commanded: Floats | None = None
+        self._commanded_by = 0
+        self._now = 0.0
         self._last_warning: dict[str, float] = {}
         self._parameters = list(settings.parameters)
         self._by_id = {p.id: i for i, p in enumerate(self._parameters)}
@@ -104,7 +113,21 @@ class Vehicle:
 
     def heartbeat(self) -> Message:
         """Return a heartbeat, state or none."""
-        return heartbeat_of(self.armed, self.pointing)
+        return heartbeat_of(self.armed, self.pointing, self.over)
+
+    def beat(self, peer: Peer, now: float) -> None:
+        """Send a partner a heartbeat when it is due on the clock, whether the simulation goes on or not."""
+        interval = peer.stream.interval(mavlink.MAVLINK_MSG_ID_HEARTBEAT)
+        if interval and now - peer.beat >= interval:
+            late = now - peer.beat - interval
+            peer.beat = now if late > interval else now - late  # does not drift, and makes up for nothing
+            peer.send(self.heartbeat())
+
+    def end(self, text: str, failed: bool) -> list[Message]:
+        """Say that the run is over: why, and by a last heartbeat that the vehicle is off, or in trouble."""
+        self.over = mavlink.MAV_STATE_EMERGENCY if failed else mavlink.MAV_STATE_POWEROFF
+        severity = mavlink.MAV_SEVERITY_CRITICAL if failed else mavlink.MAV_SEVERITY_INFO
+        return [*self.text(text, severity), self.heartbeat()]
 
     def text(self, text: str, severity: int = mavlink.MAV_SEVERITY_INFO) -> list[Message]:
         """Return a text as messages, several if it is long."""
@@ -129,6 +152,8 @@ class Vehicle:
         if self.report is None:
             return
         for id_ in peer.stream.due(now):
+            if id_ == mavlink.MAVLINK_MSG_ID_HEARTBEAT:  # goes by the clock: `beat`
+                continue
             for message in self.report.messages(id_):
                 peer.send(message)
 
@@ -158,6 +183,10 @@ class Vehicle:
 
     def tick(self, now: float) -> list[Message]:
         """Let a commanded attitude end when nobody repeats it; return what is to be said."""
+        self._now = now
+        for number in [n for n, pending in self._pending.items() if now - pending.since > _LOST]:
+            pending = self._pending.pop(number)  # its answer got lost on the way
+            self._queue(pending.peer, [self._parameter_value(p) for p in pending.parameters])
         if not self.pointing or now - self._setpoint_at <= self.settings.setpoint_timeout:
             return []
         self._release("attitude target timed out")
@@ -167,7 +196,11 @@ class Vehicle:
         """Take the simulation's answer to a request; return what is to be said to all."""
         pending = self._pending.pop(number, None)
         if pending is None:
-            return [] if refused is None else self.text(refused, mavlink.MAV_SEVERITY_ERROR)
+            if refused is None:
+                return []
+            if number == self._commanded_by:
+                self.pointing, self._setpoint_at, self._commanded = False, -1e9, None
+            return self.text(refused, mavlink.MAV_SEVERITY_ERROR) if self._is_news(refused, self._now) else []
         if refused is None:
             for parameter, value in zip(pending.parameters, pending.values, strict=True):
                 parameter.value = value
@@ -184,9 +217,17 @@ class Vehicle:
 
     def _warn(self, peer: Peer, text: str, now: float) -> None:
         """Say something to one partner, not more than once a second."""
-        if now - self._last_warning.get(text, -1e9) > 1.0:
-            self._last_warning[text] = now
+        if self._is_news(text, now):
             self._queue(peer, self.text(text, mavlink.MAV_SEVERITY_WARNING))
+
+    def _is_news(self, text: str, now: float) -> bool:
+        """Whether it was not said in the last second."""
+        if abs(now - self._last_warning.get(text, -1e9)) <= 1.0:
+            return False
+        if len(self._last_warning) >= _MOST_WARNINGS:  # the words are a stranger's, and he has many
+            self._last_warning.clear()
+        self._last_warning[text] = now
+        return True
 
     def _allowed(self, what: str, peer: Peer, now: float) -> bool:
         if what in self.settings.allow:
@@ -235,10 +276,22 @@ class Vehicle:
         if not self._allowed("param", peer, now):
             self._queue(peer, [self._parameter_value(parameter)])
             return
+        if len(self._pending) >= _MOST_PENDING:
+            self._warn(peer, "Too many changes at once: wait for the answers", now)
+            self._queue(peer, [self._parameter_value(parameter)])
+            return
         touched = self._symmetric(parameter)
-        whole = [value if p in touched else p.value for p in self._by_variable[parameter.variable]]
+        whole = [value if p in touched else self._coming(p) for p in self._by_variable[parameter.variable]]
         number = self._ask("param", [(parameter.variable, whole)], peer.name)
-        self._pending[number] = _Pending(peer, touched, [value] * len(touched))
+        self._pending[number] = _Pending(peer, touched, [value] * len(touched), now)
+
+    def _coming(self, parameter: Parameter) -> float:
+        """The value that was asked for last, if that is on its way: the next change must not take it back."""
+        for pending in reversed(self._pending.values()):
+            for other, value in zip(pending.parameters, pending.values, strict=True):
+                if other is parameter:
+                    return value
+        return parameter.value
 
     def _symmetric(self, parameter: Parameter) -> list[Parameter]:
         """The element, and in a symmetric matrix the one across the diagonal: half of a pair makes no inertia."""
@@ -317,19 +370,37 @@ class Vehicle:
             return
         rates = [message.body_roll_rate, message.body_pitch_rate, message.body_yaw_rate]
         rates = [0.0 if message.type_mask >> i & 1 or not isfinite(r) else r for i, r in enumerate(rates)]
-        changes: Changes = [(point.attitude, frames.unit(frames.multiply(q / length, state.q_FN)).tolist())]
+        q_CN = self._short_way(frames.unit(frames.multiply(q / length, state.q_FN)), state)
+        changes: Changes = [(point.attitude, q_CN.tolist())]
         if point.rate is not None:
             changes.append((point.rate, rates))
         if point.engaged is not None:
             changes.append((point.engaged, 1))
         self._setpoint_at = now
-        self._ask("attitude", changes, peer.name)
+        self._commanded_by = self._ask("attitude", changes, peer.name)
         if not self.pointing:
             self.pointing = True
             self._queue(peer, self.text("Attitude target taken"))
 
+    def _short_way(self, q_CN: Floats, state: State) -> Floats:
+        """The sign of a commanded quaternion from which the body has the short way to turn.
+
+        It is that nearest to the attitude which the control law sees. Near half a revolution, where measurement noise
+        would toss the sign, a command that is repeated keeps the one it had.
+        """
+        q_BN = state.inertial("attitude")
+        if q_BN is None:
+            q_BN = state.inertial("true_attitude")
+        if q_BN is None:
+            return q_CN
+        if self._commanded is not None and abs(float(q_CN @ q_BN)) < _UNDECIDED:
+            q_BN = self._commanded
+        self._commanded = frames.nearest(q_CN, q_BN)
+        return self._commanded
+
     def _release(self, source: str) -> None:
         self.pointing = False
+        self._commanded = None
         self._setpoint_at = -1e9
         if self.settings.point is not None and self.settings.point.engaged is not None:
             self._ask("attitude", [(self.settings.point.engaged, 0)], source)

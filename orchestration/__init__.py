@@ -1,5 +1,6 @@
 """Systems of FMUs: wiring, co-simulation, coupled Model Exchange, results."""
 
+from orchestration.accuracy import Estimate, estimate_error
 from orchestration.cosim import steps
 from orchestration.coupled import CoupledModel
 from orchestration.loops import LoopSolver
@@ -12,11 +13,13 @@ __all__ = [
     "CoSimulation",
     "Connection",
     "CoupledModel",
+    "Estimate",
     "LoopSolver",
     "Result",
     "RunFailed",
     "RunInterrupted",
     "System",
+    "estimate_error",
     "run",
     "steps",
 ]

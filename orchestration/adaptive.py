@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from fmus.errors import AdcsError
-from orchestration.instance import CallFailed
+from orchestration.instance import CallFailed, EndRequested
 from orchestration.plan import Floats
 from orchestration.results import Recording
 from orchestration.session import CoSimulation
@@ -60,9 +60,13 @@ class Adaptive:
             recording.room(1)[0] = simulation.row
             recording.commit(1)
             progress(recording.filled / (simulation.last + 1))
-            if simulation.k == simulation.last:
+            if simulation.k == simulation.last or simulation.ended is not None:
                 return
-            self._interval()
+            try:
+                self._interval()
+            except EndRequested as end:
+                simulation.ended = end
+                return
             simulation.k += 1
             simulation.propagate()
 
@@ -102,11 +106,16 @@ class Adaptive:
         """From the present point to the next one; return the row there."""
         simulation = self._simulation
         n = 2**halvings
-        step = simulation.step / n
+        k, grid = simulation.k, simulation.grid
+        step = (grid.shorter if k == grid.full and grid.shorter else grid.step) / n
         for i in range(n):
             time = simulation.time + i * step
             if i:
-                simulation.loop.propagate(simulation.k, time)
-            simulation.loop.move_on(simulation.k, simulation.last, time, step)
-        simulation.loop.propagate(simulation.k, simulation.time + simulation.step)
+                end = simulation.loop.ending(k + 1)
+                if end is not None:
+                    end.time = time
+                    raise end
+                simulation.loop.propagate(k, time)
+            simulation.loop.move_on(k, k + 1, time, step)
+        simulation.loop.propagate(k, grid.time(k + 1))
         return simulation.row.copy()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,8 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fmus.archive import Archive
 from fmus.errors import AdcsError
-from fmus.toolchain import write_atomically
+from orchestration.isolation.writing import replacing
 from orchestration.session import CoSimulation
 
 _FORMAT = "adcs-checkpoint-1"
@@ -32,15 +32,22 @@ class Checkpoint:
     def read(cls, path: Path) -> Checkpoint:
         """Read a file that `write` made."""
         try:
+            with Archive(path):  # refuses what would be larger than memory
+                pass
             with np.load(path, allow_pickle=False) as file:
                 arrays = {name: file[name] for name in file.files}
             about = json.loads(arrays.pop("about").tobytes())
-            if about.pop("format") != _FORMAT:
+            k = about.pop("k")
+            if about.pop("format") != _FORMAT or not isinstance(k, int) or k < 0:
                 raise ValueError
-            return cls(path, int(about.pop("k")), about, arrays)
+            return cls(path, k, about, arrays)
         except OSError as error:
             raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
-        except (ValueError, KeyError, EOFError, TypeError, AttributeError, zipfile.BadZipFile):
+        except AdcsError as error:
+            if str(error).startswith("cannot open"):
+                raise
+            raise AdcsError(f"{path} is not a checkpoint of this program") from error
+        except Exception:  # numpy and zipfile let many kinds out
             raise AdcsError(f"{path} is not a checkpoint of this program") from None
 
     def apply(self, simulation: CoSimulation) -> None:
@@ -53,17 +60,24 @@ class Checkpoint:
             raise not_aligned(simulation, self.k)
         states = [f"state_{i}" for i in range(len(simulation.instances))]
         rings = {f"ring_{i}": ring.values.shape for i, ring in enumerate(simulation.rings)}
-        shapes = {"signals": simulation.signals.shape, **rings}
-        if any(n not in self.arrays or self.arrays[n].shape != shape for n, shape in shapes.items()) or not all(
-            name in self.arrays for name in states
-        ):
+        expected = {
+            name: (shape, np.float64) for name, shape in (("signals", simulation.signals.shape), *rings.items())
+        }
+        fits = all(
+            name in self.arrays and self.arrays[name].shape == shape and self.arrays[name].dtype == kind
+            for name, (shape, kind) in expected.items()
+        )
+        if not fits or not all(name in self.arrays and self.arrays[name].dtype == np.uint8 for name in states):
             raise AdcsError(f"{self.path} is not complete, or of another run")
         simulation.k = self.k
         simulation.signals[:] = self.arrays["signals"]
         for i, ring in enumerate(simulation.rings):
             ring.values[:] = self.arrays[f"ring_{i}"]
         for i, instance in enumerate(simulation.instances.values()):
-            state = instance.deserialize(self.arrays[f"state_{i}"].tobytes())
+            try:
+                state = instance.deserialize(self.arrays[f"state_{i}"].tobytes())
+            except (ValueError, TypeError, KeyError, OverflowError):  # what is kept of clocks and events
+                raise AdcsError(f"{self.path}: the saved state of {instance.name} is damaged") from None
             instance.restore(state)
             instance.free(state)
 
@@ -84,7 +98,8 @@ def write(simulation: CoSimulation, k: int, path: Path) -> None:
         instance.free(state)
     content = io.BytesIO()
     np.savez(content, **arrays)  # type: ignore[arg-type]
-    write_atomically(path, content.getvalue())
+    with replacing(path) as name:
+        name.write_bytes(content.getvalue())
 
 
 def check(simulation: CoSimulation) -> None:

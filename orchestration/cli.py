@@ -9,7 +9,9 @@ import typer
 import fmus.cli
 import hil_bridge.cli
 import hil_bridge.hil.cli
+import orchestration.info_cli
 import orchestration.linear_cli
+import orchestration.recover_cli
 import orchestration.run_cli
 import orchestration.ssp.cli
 import studies.cli
@@ -23,7 +25,9 @@ app = typer.Typer(
 )
 for _part in (
     fmus.cli.app,
+    orchestration.info_cli.app,  # its `info` takes files as well
     orchestration.run_cli.app,
+    orchestration.recover_cli.app,
     orchestration.ssp.cli.app,
     orchestration.linear_cli.app,
     hil_bridge.hil.cli.app,

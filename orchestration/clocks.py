@@ -89,10 +89,11 @@ class Intervals:
             timer.origin, timer.interval, timer.waiting = time, interval, True
 
     def _check(self, timer: Timer) -> None:
-        if timer.interval is None or timer.interval <= 0:
-            raise self._failed(
-                f"the interval of clock {timer.clock.name} is {timer.interval} s: expected a positive time"
-            )
+        interval, shift = timer.interval, timer.shift
+        if interval is None or not 0 < interval < inf:
+            raise self._failed(f"the interval of clock {timer.clock.name} is {interval} s: expected a positive time")
+        if not 0 <= shift < inf:
+            raise self._failed(f"the shift of clock {timer.clock.name} is {shift} s: expected a time from 0")
 
     def _get(self, clock: Clock) -> tuple[Interval | None, bool]:
         """Return the interval, None where it is not yet known, and whether it is a new one."""
@@ -107,7 +108,11 @@ class Intervals:
             value = (c_double * 1)()
             self._call(action, "getIntervalDecimal", _one(clock), value, qualifier)
             interval = value[0]
-        return (None if qualifier[0] == _NOT_YET_KNOWN else interval), qualifier[0] == _CHANGED
+        if qualifier[0] == _NOT_YET_KNOWN:
+            return None, False
+        if not interval >= 0:
+            raise self._failed(f"the interval of clock {clock.name} is {interval} s: expected a positive time")
+        return interval, qualifier[0] == _CHANGED
 
     def _shift(self, clock: Clock) -> Interval:
         action = f"asking for the shift of clock {clock.name}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from math import inf
 from pathlib import Path
@@ -17,8 +17,11 @@ from orchestration import checkpoint
 from orchestration.adaptive import Adaptive
 from orchestration.checkpoint import Checkpoint
 from orchestration.fmu import FmiVersion
-from orchestration.grid import Grid
-from orchestration.instance import CallFailed
+from orchestration.grid import Grid, whole_steps
+from orchestration.instance import EndRequested
+from orchestration.isolation.guard import Guard
+from orchestration.isolation.life import hung_failure, watched_life
+from orchestration.isolation.where import Where
 from orchestration.live import Change, Condition, Inputs, Pace
 from orchestration.loops import LoopSolver
 from orchestration.plan import Floats
@@ -31,7 +34,6 @@ Progress = Callable[[float], Any]
 
 _PATIENCE = 0.1  # s, between two looks at progress
 _MOST = 1_000_000  # points between two looks
-_GIVEN_UP: list[CoSimulation] = []
 
 
 class Watcher(Protocol):
@@ -65,6 +67,8 @@ class Course:
     checkpoint_every: float | None = None  # s
     resume: Checkpoint | None = None
     watchers: Sequence[Watcher] = ()
+    where: Where = field(default_factory=Where)
+    guard: Guard | None = None
 
 
 def cosimulate(
@@ -84,11 +88,13 @@ def cosimulate(
     """
     course = course or Course()
     account = {} if account is None else account
-    with CoSimulation(
+    begun = partial(
+        CoSimulation,
         system,
         step=grid.step,
         start_time=grid.start,
         steps=grid.steps,
+        stop_time=grid.stop,
         fmi_version=version,
         stepping=stepping,
         record=list(recording.ports),
@@ -96,23 +102,26 @@ def cosimulate(
         external=course.inputs.names if course.inputs else (),
         may_go_on=course.checkpoint is not None or course.resume is not None,
         solver=course.solver,
-    ) as simulation:
+        where=course.where,
+        guard=course.guard,
+    )
+    with watched_life(begun, course.where, course.timeout, account) as (simulation, watched):
+        watched.stop = simulation.loop.stop
         if course.checkpoint is not None:
             checkpoint.check(simulation)
         if course.resume is not None:
-            course.resume.apply(simulation)
+            watched(partial(course.resume.apply, simulation))
         adaptive = None if course.adaptive is None else Adaptive(simulation, course.adaptive)
-        driver = _Driver(simulation, recording, course, progress)
+        driver = _Driver(simulation, recording, course, progress, watched)
         begin()
         try:
             if adaptive is not None:
-                adaptive.run(recording, progress)
+                watched(partial(adaptive.run, recording, progress), throw=True)
             else:
                 driver.run()
         finally:
             if adaptive is not None:
                 account["adaptive"] = adaptive.report()
-            account["warnings"] = simulation.warnings
             if simulation.loop_reports:
                 account["algebraic_loops"] = simulation.loop_reports
             if course.pace is not None:
@@ -121,12 +130,22 @@ def cosimulate(
                 account |= watcher.report()
             if driver.met_at is not None:
                 account["stopped"] = driver.met_at
+            if simulation.ended is not None:
+                account["ended"] = simulation.ended.as_dict()
 
 
 class _Driver:
     """Takes a co-simulation through its points in pieces, each until something is to be done."""
 
-    def __init__(self, simulation: CoSimulation, recording: Recording, course: Course, progress: Progress) -> None:
+    def __init__(
+        self,
+        simulation: CoSimulation,
+        recording: Recording,
+        course: Course,
+        progress: Progress,
+        watched: Watched,
+    ) -> None:
+        self._watched = watched
         self._simulation, self._recording, self._course, self._progress = simulation, recording, course, progress
         self._pending = sorted((c for c in course.changes if c.k >= simulation.k), key=lambda change: change.k)
         self._saves = _Saves(simulation, course)
@@ -135,13 +154,16 @@ class _Driver:
         self.met_at: dict[str, Any] | None = None
 
     def run(self) -> None:
-        simulation = self._simulation
-        watched = Watched(lambda: simulation.loop.doing, simulation.loop.stop, self._course.timeout)
+        simulation, watched = self._simulation, self._watched
         if self._course.pace is not None:
             self._course.pace.start(simulation.k)
         count = 16
         try:
-            while simulation.k <= simulation.last and self.met_at is None:
+            while simulation.k <= simulation.last and self.met_at is None and simulation.ended is None:
+                if simulation.shorter_due:
+                    watched(self._saves.last)
+                    if not self._shorter_step(watched):
+                        break
                 while self._pending and self._pending[0].k == simulation.k:
                     change = self._pending.pop(0)
                     now = (simulation.k, change.name.partition(".")[0], f"setting {change.name}")
@@ -150,39 +172,36 @@ class _Driver:
                 try:
                     n = self._allowed(count)
                 except KeyboardInterrupt:  # while waiting for the time to go on
-                    self._saves.last()
+                    watched(self._saves.last)
                     raise
                 self._advance(watched, n)
+                simulation.check()
                 for watcher in self._course.watchers:
                     self._pending = [*watcher(simulation), *self._pending]
                 self._progress((simulation.k) / (simulation.last + 1))
                 if watched.interrupted:
-                    self._saves.last()
+                    watched(self._saves.last)
                     raise KeyboardInterrupt
-                self._saves.due()
+                if self._saves.are_due:
+                    watched(self._saves.write)
                 pace = _PATIENCE / max(perf_counter() - began, 1e-6)
                 count = max(1, min(int(count * min(pace, 8.0)), _MOST))
-            self._saves.last()
+            if simulation.ended is None:  # else nobody could go on
+                watched(self._saves.last)
         except Hung as hung:
-            k, name, action = hung.doing
-            # the call may come back: nothing that it, or what comes after it, works on may be freed
-            simulation.loop.stop(at_once=True)
-            for instance in simulation.instances.values():
-                instance.abandon()
-            _GIVEN_UP.append(simulation)
+            simulation.loop.stop(at_once=True)  # the call may come back
             if watched.interrupted:
-                raise KeyboardInterrupt from None
-            failed = CallFailed(name or "the system", f"{action} did not return within {self._course.timeout:g} s")
-            failed.time = simulation.start + k * simulation.step
+                raise
+            failed = hung_failure(hung, self._course.timeout)
+            failed.time = simulation.grid.time(hung.doing[0])
             raise failed from None
-        finally:
-            watched.close()
 
     def _allowed(self, count: int) -> int:
         """How many points may be taken at once."""
         simulation = self._simulation
         room = self._recording.capacity * self._course.record_every
-        count = max(1, min(count, simulation.last + 1 - simulation.k, room))
+        ahead = (simulation.grid.full if simulation.k <= simulation.grid.full else simulation.last) + 1 - simulation.k
+        count = max(1, min(count, ahead, room))
         if self._pending:
             count = min(count, self._pending[0].k - simulation.k)
         count = min(count, self._saves.points())
@@ -195,20 +214,16 @@ class _Driver:
     def _advance(self, watched: Watched, n: int) -> None:
         simulation, recording, course = self._simulation, self._recording, self._course
         first = simulation.k
-        every = course.record_every
+        every = course.record_every if first <= simulation.grid.full else 1  # the end of a shorter step is recorded
         rows = recording.room((first + n - 1) // every - (first - 1) // every)
         outside: Floats | None = None
         if course.inputs is not None:
             times = simulation.start + np.arange(first, first + n, dtype=np.float64) * simulation.step
-            outside = course.inputs.at(times)
+            outside = course.inputs.at(np.minimum(times, simulation.grid.time(simulation.last)))
         try:
-            simulation.k, written, failed = watched(
-                lambda: simulation.loop.steps(
-                    simulation.start, simulation.step, first, n, simulation.last, outside, rows
-                )
-            )
+            simulation.k, written, failed = watched(lambda: simulation.advance(n, outside, rows))
         except Hung as hung:
-            k, _, action = hung.doing
+            k, _, action, *_ = hung.doing
             last = k if action == "doStep" else k - 1  # point k is recorded before it is stepped on from
             recording.commit(max(0, last // every - (first - 1) // every))
             raise
@@ -216,10 +231,32 @@ class _Driver:
         if course.until is not None and (met := course.until.first(rows[:written])) is not None:
             kept, failed = met + 1, None
             k = ((first - 1) // every + 1 + met) * every
-            self.met_at = {"condition": str(course.until), "time": simulation.start + k * simulation.step}
+            self.met_at = {"condition": str(course.until), "time": simulation.grid.time(k)}
         recording.commit(kept)
-        if failed is not None:
+        if isinstance(failed, EndRequested):
+            simulation.ended = failed
+        elif failed is not None:
             raise failed
+
+    def _shorter_step(self, watched: Watched) -> bool:
+        """Take a last step that is shorter; return whether its end was reached, where no component ended before."""
+        try:
+            watched(self._simulation.shorter_step)
+        except EndRequested as end:
+            self._simulation.ended = end
+        return self._simulation.ended is None
+
+
+def rigid(system: System, version: FmiVersion) -> str | None:
+    """Say why the last step of a co-simulation may not be shorter than the others; None if it may."""
+    for component in system.components.values():
+        fmu = component.open(version)
+        if component.every == 1 and not fmu.interface("co-simulation").canHandleVariableCommunicationStepSize:
+            return (
+                f", and {component.name} ({fmu.path.name}) takes no shorter last one "
+                "(canHandleVariableCommunicationStepSize is not true)"
+            )
+    return None
 
 
 class _Saves:
@@ -235,12 +272,12 @@ class _Saves:
                 raise AdcsError(
                     "checkpoint: not together with until, where a component communicates at some points only"
                 )
-            if not checkpoint.aligned(simulation, simulation.last):
-                raise checkpoint.not_aligned(simulation, simulation.last)
+            if not checkpoint.aligned(simulation, simulation.grid.full):
+                raise checkpoint.not_aligned(simulation, simulation.grid.full)
         if course.checkpoint_every is not None:
             if not course.checkpoint_every > 0:
                 raise AdcsError(f"checkpoint_every = {course.checkpoint_every:g} s: expected a positive time")
-            self._every = Grid.make(0.0, course.checkpoint_every, simulation.step).steps
+            self._every = whole_steps(course.checkpoint_every, simulation.step, "checkpoint_every")
             if not checkpoint.aligned(simulation, self._every):
                 raise checkpoint.not_aligned(simulation, self._every)
 
@@ -252,17 +289,25 @@ class _Saves:
             return 1
         return _MOST if self._every is None else self._every - self._simulation.k % self._every
 
-    def due(self) -> None:
-        """Save, if it is time to."""
-        k = self._simulation.k
-        if self._path is not None and self._every is not None and k % self._every == 0 and k <= self._simulation.last:
-            checkpoint.write(self._simulation, k, self._path)
+    @property
+    def are_due(self) -> bool:
+        """Whether it is time to save."""
+        simulation, k = self._simulation, self._simulation.k
+        return self._path is not None and self._every is not None and k % self._every == 0 and k <= simulation.grid.full
+
+    def write(self) -> None:
+        """Save at the present point."""
+        if self._path is not None:
+            checkpoint.write(self._simulation, self._simulation.k, self._path)
 
     def last(self) -> None:
-        """Save where the run ended."""
-        k = min(self._simulation.k, self._simulation.last)
-        if self._path is not None and checkpoint.aligned(self._simulation, k):  # it was interrupted, if not
-            checkpoint.write(self._simulation, k, self._path)
+        """Save where the run ended, or before a last step that is shorter, which is on no grid."""
+        simulation = self._simulation
+        if simulation.k > simulation.grid.full and not simulation.shorter_due and simulation.grid.shorter:
+            return
+        k = min(simulation.k, simulation.grid.full)
+        if self._path is not None and checkpoint.aligned(simulation, k):  # it was interrupted, if not
+            checkpoint.write(simulation, k, self._path)
 
 
 def steps(
@@ -276,10 +321,10 @@ def steps(
 ) -> Iterator[tuple[float, Mapping[str, Floats]]]:
     """Co-simulate step by step: yield (t_k, values by name) at every communication point, before stepping on from it.
 
-    The values are those that `run` records, to the last bit. Time goes on only while the caller asks for more.
+    The values are those that `run` records, to the last bit. Time goes on only while the caller asks for more. If a
+    component ends the simulation, nothing is yielded after that.
     """
-    grid = Grid.make(start_time, stop_time, step)
-    with CoSimulation(
-        system, step=step, start_time=grid.start, steps=grid.steps, fmi_version=fmi_version, record=record
-    ) as simulation:
+    grid = Grid.make(start_time, stop_time, step, partial(rigid, system, fmi_version))
+    times: dict[str, Any] = {"step": step, "start_time": grid.start, "steps": grid.steps, "stop_time": grid.stop}
+    with CoSimulation(system, **times, fmi_version=fmi_version, record=record) as simulation:
         yield from simulation

@@ -1,4 +1,4 @@
-"""What fmpy leaves out of a modelDescription.xml of FMI 3.0: clocks, start values of text and binary arrays."""
+"""What fmpy leaves out of a modelDescription.xml: clocks, start values of text and binary arrays, differences."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 from lxml import etree
@@ -40,21 +39,20 @@ class Clock:
 
 @dataclass(frozen=True)
 class Extras:
-    """`starts`: the texts of String and Binary variables by name; `clocked`: the clocks of variables, by reference."""
+    """What there is to know beside what fmpy knows.
+
+    `starts`: the texts of String and Binary variables by name; `clocked`: the clocks of variables, by reference;
+    `relative`: the names of variables that are differences (relativeQuantity), by themselves or by their type.
+    """
 
     clocks: tuple[Clock, ...] = ()
     clocked: Mapping[int, frozenset[int]] = field(default_factory=dict)
     starts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    relative: frozenset[str] = frozenset()
 
 
-def read_xml(path: Path) -> Any:
-    """Return the root of the modelDescription.xml of an FMU."""
-    with zipfile.ZipFile(path) as archive:
-        return etree.fromstring(archive.read("modelDescription.xml"))
-
-
-def for_fmpy(path: Path, root: Any) -> str | io.BytesIO:
-    """Return what fmpy can read of an FMU, without what it stumbles over though it is valid.
+def for_fmpy(content: bytes, root: Any) -> io.BytesIO:
+    """Return an archive of what fmpy can read of a description: without what it stumbles over though it is valid.
 
     That is a declared type of a clock, and more than one space between the entries of a list.
     """
@@ -67,16 +65,43 @@ def for_fmpy(path: Path, root: Any) -> str | io.BytesIO:
             if text is not None and text != " ".join(text.split()):
                 element.set(name, " ".join(text.split()))
                 cleaned = True
-    if not cleaned:
-        return str(path)
-    content = io.BytesIO()
-    with zipfile.ZipFile(content, "w") as archive:
-        archive.writestr("modelDescription.xml", etree.tostring(root))
-    return content
+    archive = io.BytesIO()
+    with zipfile.ZipFile(archive, "w") as writer:
+        writer.writestr("modelDescription.xml", etree.tostring(root) if cleaned else content)
+    archive.seek(0)
+    return archive
+
+
+def check_structure(root: Any) -> None:
+    """Refuse by name (ValueError) a model structure that speaks of variables that are not there, or are no derivatives.
+
+    What the schema sees, which is applied later, is not looked at here.
+    """
+    third = root.get("fmiVersion") == "3.0"
+    variables = [element for element in root.iterfind("ModelVariables/*") if isinstance(element.tag, str)]
+    known = (
+        {e.get("valueReference"): e for e in variables} if third else {str(i): e for i, e in enumerate(variables, 1)}
+    )
+    what = "value reference" if third else "index"
+    for unknown in root.iterfind("ModelStructure/*" if third else "ModelStructure/*/Unknown"):
+        if not isinstance(unknown.tag, str):
+            continue
+        own = unknown.get("valueReference" if third else "index", "").strip()
+        for number in (own, *unknown.get("dependencies", "").split()):
+            if number.isdecimal() and str(int(number)) not in known:
+                raise ValueError(f"ModelStructure, line {unknown.sourceline}: no variable has the {what} {number}")
+        derivative = unknown.tag == "ContinuousStateDerivative" or unknown.getparent().tag == "Derivatives"
+        if derivative and own in known and not any(e.get("derivative") for e in known[own].iter()):
+            name = known[own].get("name")
+            raise ValueError(
+                f"ModelStructure, line {unknown.sourceline}: {name} is said to be a derivative, but of none"
+            )
 
 
 def read_extras(root: Any) -> Extras:
     """Find them in a description that is known to be valid."""
+    if root.get("fmiVersion") == "2.0":
+        return Extras(relative=_relative(root))
     variables = [element for element in root.find("ModelVariables") if isinstance(element.tag, str)]
     clocked = {}
     starts = {}
@@ -87,7 +112,34 @@ def read_extras(root: Any) -> Extras:
         if texts:
             names = [element.get("name"), *(alias.get("name") for alias in element.findall("Alias"))]
             starts.update(dict.fromkeys(names, texts))
-    return Extras(tuple(_clock(e) for e in variables if e.tag == "Clock"), clocked, starts)
+    return Extras(tuple(_clock(e) for e in variables if e.tag == "Clock"), clocked, starts, _relative(root))
+
+
+def _relative(root: Any) -> frozenset[str]:
+    """Find the variables that are differences; what a variable says of itself counts more than its type."""
+    definitions = root.find("TypeDefinitions")
+    types = {
+        element.get("name"): _says_relative(element)
+        for element in (() if definitions is None else definitions)
+        if isinstance(element.tag, str)
+    }
+    found = set()
+    for element in root.find("ModelVariables"):
+        if isinstance(element.tag, str):
+            own, declared = _says_relative(element), _carrier(element).get("declaredType")
+            if types.get(declared) if own is None else own:
+                found |= {element.get("name"), *(alias.get("name") for alias in element.findall("Alias"))}
+    return frozenset(found)
+
+
+def _carrier(element: Any) -> Any:
+    """Return the element of a variable or type that has the attributes of its kind: in FMI 2 it is inside."""
+    return element[0] if element.tag in ("ScalarVariable", "SimpleType") else element
+
+
+def _says_relative(element: Any) -> bool | None:
+    text = _carrier(element).get("relativeQuantity")
+    return None if text is None else text in ("true", "1")
 
 
 def directional_derivatives(root: Any) -> frozenset[str]:

@@ -87,7 +87,8 @@ class Events:
         """After initialisation mode, which ends in event mode."""
         self.in_event_mode = True
         self._settle(time, resolution, tick=False)
-        self._wait(time, resolution)
+        if not self._instance.wants_end:
+            self._wait(time, resolution)
 
     # At a communication point
 
@@ -104,21 +105,26 @@ class Events:
         """Handle what happens at a time inside a communication step, if anything does."""
         self._handle(time, resolution, needed=needed)
         due = self._due(time, resolution)
-        if due:
+        if due and not self._instance.wants_end:
             self._enter()
             self._activate(due)
             self._settle(time, resolution, tick=True)
+        if self._instance.wants_end:
+            raise self._instance.ended(time)
         self._leave()
 
     def arrive(self, time: float, resolution: float, *, needed: bool) -> None:
         """At the end of a communication step: handle events, and activate the clocks that tick here."""
         self._handle(time, resolution, needed=needed)
-        self._wait(time, resolution)
+        if not self._instance.wants_end:
+            self._wait(time, resolution)
 
     def depart(self, time: float, resolution: float) -> None:
         """After values were propagated: let the FMU update its discrete states, and return to step mode."""
         if self.in_event_mode:
             self._settle(time, resolution, tick=True)
+            if self._instance.wants_end:
+                raise self._instance.ended(time)
             self._leave()
         self._ticked.clear()
 
@@ -197,13 +203,17 @@ class Events:
             self.in_event_mode = False
 
     def _settle(self, time: float, resolution: float, *, tick: bool) -> None:
-        """Update discrete states until nothing is left to do; `tick` says whether clocks that become due tick, too."""
+        """Update discrete states until nothing is left to do, or the FMU wants to end the simulation.
+
+        `tick` says whether clocks that become due tick, too.
+        """
         for _ in range(_MAX_ITERATIONS):
             self._harvest()
             result = self._instance.call("updating discrete states", "updateDiscreteStates")
             needed, terminate, _, _, defined, next_event = result
             if terminate:
-                raise self._instance.ended()
+                self._instance.wants_end = True
+                return
             self.next_event = next_event if defined else inf
             ticked, self._active = self._active, set()
             for timer in self.timers:
@@ -214,7 +224,7 @@ class Events:
             self._activate(due)
         else:
             raise self._instance.wrong(f"the event at t = {time:.9g} s does not settle in {_MAX_ITERATIONS} iterations")
-        if self.next_event <= time:
+        if not self.next_event > time:
             raise self._instance.wrong(f"its next event, at t = {self.next_event!r} s, does not lie ahead of this one")
 
     def _activate(self, timers: list[Timer]) -> None:

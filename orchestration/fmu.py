@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-import posixpath
 import re
-import tempfile
-import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -20,9 +17,21 @@ import fmpy
 from fmpy.model_description import ModelDescription, ModelVariable, ValidationError
 
 from fmus import paths
-from fmus.errors import AdcsError
-from orchestration.description import Clock, Extras, directional_derivatives, for_fmpy, read_extras, read_xml
+from fmus.archive import LARGEST_XML, Archive
+from fmus.catalog import find
+from fmus.errors import AdcsError, shown
+from fmus.freshness import warn_if_outdated
+from fmus.xml import parse
+from orchestration.description import (
+    Clock,
+    Extras,
+    check_structure,
+    directional_derivatives,
+    for_fmpy,
+    read_extras,
+)
 from orchestration.feedthrough import Feedthrough
+from orchestration.isolation.temporary import temporary_folder
 
 FmiVersion = Literal["2.0", "3.0"]
 Kind = Literal["co-simulation", "model-exchange"]
@@ -33,11 +42,8 @@ _FMI3_TYPES = {"Enumeration": "Int64"}
 
 _NOT_FOR_RUNNING = ("sources/", "documentation/", "terminalsAndIcons/")
 _AGAIN = "build or download it again"
+_MOST_ELEMENTS = 1_000_000  # of an array
 _ELEMENT = re.compile(r"(der\()?(?P<base>.+)\[(?P<index>\d+(?:\s*,\s*\d+)*)\](?(1)\))")
-
-
-class _Unsupported(Exception):
-    """A version of FMI that cannot be run."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +52,7 @@ class Port:
 
     `references` holds one value reference per element in FMI 2 and one per array in FMI 3; elements are row-major.
     `start` is flat, `None` where the FMU gives no value. `type` is the FMI 3 name (`Float64`, `Int32`, `Boolean` ...).
+    `declared_type` names the type definition that the variable refers to, if any.
     An enumeration is an integer with `items`, pairs of name and number. A clock is a Boolean: whether it has ticked
     since the communication point before; a clock that is ticked at known times is local, as no one else may tick it.
     """
@@ -61,6 +68,9 @@ class Port:
     start: tuple[Any, ...] | None
     description: str
     items: tuple[tuple[str, int], ...] = ()
+    declared_type: str | None = None
+    relative: bool = False
+    """Whether it is a difference (relativeQuantity), of temperatures say: the offset of a unit is none of it."""
 
     @property
     def size(self) -> int:
@@ -140,10 +150,21 @@ class Fmu:
                 shape = tuple(
                     sizes.get(d.valueReference, n) for d, n in zip(variable.dimensions, old.shape, strict=True)
                 )
+                if prod(shape) > _MOST_ELEMENTS:
+                    raise AdcsError(
+                        f"{variable.name} would have {prod(shape):,} elements, more than {_MOST_ELEMENTS:,}: "
+                        "choose a smaller size"
+                    )
                 values = set(old.start or ())
                 same = tuple(values) * prod(shape) if len(values) == 1 else None
                 ports[old.name] = replace(old, shape=shape, start=same)
         return replace(self, ports=ports, states=_states(self.model, ports))
+
+    @cached_property
+    def platforms(self) -> tuple[str, ...]:
+        """The folders of its binaries, named as its standard names platforms."""
+        with Archive(self.path) as archive:
+            return _platforms(archive.names)
 
     @property
     def major_version(self) -> int:
@@ -172,12 +193,22 @@ class Fmu:
 
 
 def locate(name: str | Path, version: FmiVersion = "2.0") -> Path:
-    """Find the file of an FMU: a path that ends in `.fmu`, or the name of a component in `fmus/dist`."""
+    """Find the file of an FMU: a path that ends in `.fmu`, or the name of a component in `fmus/dist`.
+
+    It is logged as a warning if that was built from other sources than those that are here.
+    """
     if Path(name).suffix == ".fmu":
         return Path(name)
     path = paths.DIST / f"{name}{'.fmi3' if version == '3.0' else ''}.fmu"
     if not path.is_file():
-        raise AdcsError(f"FMU {name!r} is not built, {path} does not exist: build it with `adcs build`, or give a path")
+        try:
+            find(str(name))
+        except AdcsError as error:
+            raise AdcsError(f"{error}, or give the path of an .fmu") from None
+        raise AdcsError(
+            f"FMU {name!r} is not built, {path} does not exist: build it with `adcs build {name}`, or give a path"
+        )
+    warn_if_outdated(str(name), path)
     return path
 
 
@@ -187,42 +218,58 @@ def open_fmu(path: Path) -> Fmu:
         stat = path.stat()
     except OSError as error:
         raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
-    return _open(path.resolve(), stat.st_mtime_ns, stat.st_size)
+    try:
+        return _open(path.resolve(), stat.st_mtime_ns, stat.st_size)
+    except AdcsError as error:
+        if str(path).isprintable():
+            raise
+        raise AdcsError(shown(str(error), most=1000)) from error  # a path may have line breaks
 
 
 @lru_cache(maxsize=64)
 def _open(path: Path, modified: int, size: int) -> Fmu:
-    names = _archive_names(path)
-    if "modelDescription.xml" not in names:
-        raise AdcsError(f"{path} has no modelDescription.xml: it is no FMU")
+    with Archive(path) as archive:
+        if "modelDescription.xml" not in archive.names:
+            raise AdcsError(f"{path} has no modelDescription.xml: it is no FMU")
+        content = archive.read("modelDescription.xml", LARGEST_XML)
+    xml = parse(content, f"modelDescription.xml of {path}")
+    version = xml.get("fmiVersion")
+    if version not in ("2.0", "3.0"):
+        raise AdcsError(f"{path} is FMI {version}: only 2.0 and 3.0 are supported")
     try:
-        xml = read_xml(path)
-        version = xml.get("fmiVersion")
-        if version not in ("2.0", "3.0"):
-            raise _Unsupported
-        model = fmpy.read_model_description(for_fmpy(path, xml))
-    except _Unsupported:
-        raise AdcsError(f"{path} is FMI {version}: only 2.0 and 3.0 are supported") from None
+        check_structure(xml)
+        model = fmpy.read_model_description(for_fmpy(content, xml))
+        extras = read_extras(xml)
+        ports, node_of = _unite(model, extras)
+        return Fmu(
+            path=path,
+            sha256=_sha256(path),
+            model=model,
+            ports=ports,
+            node_of=node_of,
+            states=_states(model, ports),
+            directional=directional_derivatives(xml),
+            clocks=extras.clocks,
+            clocked=extras.clocked,
+        )
     except ValidationError as error:
         raise AdcsError(f"{path} is not valid: {_one_line(error.problems[0])}") from error
-    except Exception as error:  # of zipfile, zlib, lxml or fmpy
-        raise AdcsError(f"cannot read modelDescription.xml of {path} ({_one_line(error)}): {_AGAIN}") from error
-    extras = read_extras(xml) if model.fmiMajorVersion == 3 else Extras()
-    try:
-        ports, node_of = _unite(model, extras)
+    except OSError as error:
+        raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
     except ValueError as error:
-        raise AdcsError(f"{path} is not valid: {error}") from error
-    return Fmu(
-        path=path,
-        sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
-        model=model,
-        ports=ports,
-        node_of=node_of,
-        states=_states(model, ports),
-        directional=directional_derivatives(xml),
-        clocks=extras.clocks,
-        clocked=extras.clocked,
-    )
+        raise AdcsError(f"{path} is not valid: {_one_line(error)}") from error
+    except Exception as error:  # what fmpy lets out, and what is wrong in a way that no check here has thought of
+        raise AdcsError(f"cannot read modelDescription.xml of {path} ({_one_line(error)}): {_AGAIN}") from error
+
+
+def _platforms(names: Sequence[str]) -> tuple[str, ...]:
+    parts = (PurePosixPath(name).parts for name in names if name.startswith("binaries/") and not name.endswith("/"))
+    return tuple(sorted({part[1] for part in parts if len(part) > 2}))
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _states(model: ModelDescription, ports: Mapping[str, Port]) -> tuple[str, ...]:
@@ -247,33 +294,17 @@ def element_names(name: str, shape: tuple[int, ...]) -> list[str]:
 @contextmanager
 def extracted(fmu: Fmu, kind: Kind) -> Iterator[tuple[Path, Path]]:
     """Extract an FMU into a temporary folder that is removed at the end; yields the folder and the binary in it."""
-    with zipfile.ZipFile(fmu.path) as archive:
-        names = archive.namelist()
+    with Archive(fmu.path) as archive:
+        names = archive.names
         found = [binary for binary in fmu.binaries(kind) if str(binary) in names]
         if not found:
-            folders = {PurePosixPath(n).parts[1] for n in names if n.startswith("binaries/") and n.count("/") >= 2}
             raise AdcsError(
                 f"{fmu.path.name} has no binary for this platform ({fmu.binaries(kind)[0]} is missing, it has: "
-                f"{', '.join(sorted(folders)) or 'none'}): build it for this platform"
+                f"{', '.join(_platforms(names)) or 'none'}): build it for this platform"
             )
-        with tempfile.TemporaryDirectory(prefix="adcs-fmu-", ignore_cleanup_errors=True) as folder:
-            try:
-                archive.extractall(folder, [n for n in names if not n.startswith(_NOT_FOR_RUNNING)])
-            except Exception as error:  # of zipfile, zlib or the file system
-                raise AdcsError(f"{fmu.path} cannot be extracted ({_one_line(error)}): {_AGAIN}") from error
-            yield Path(folder), Path(folder) / found[0]
-
-
-def _archive_names(path: Path) -> list[str]:
-    try:
-        with zipfile.ZipFile(path) as archive:
-            for name in archive.namelist():
-                # zipfile would quietly put such members elsewhere; an FMU with them is not to be trusted
-                if "\\" in name or ":" in name or name.startswith("/") or posixpath.normpath(name).startswith(".."):
-                    raise AdcsError(f"{path} holds the path {name!r} that leads outside the archive: refused")
-            return archive.namelist()
-    except (zipfile.BadZipFile, OSError, ValueError) as error:
-        raise AdcsError(f"{path} is not a readable zip archive ({_one_line(error)}): {_AGAIN}") from error
+        with temporary_folder("fmu") as folder:
+            archive.extract(folder, [n for n in names if not n.startswith(_NOT_FOR_RUNNING)])
+            yield folder, folder / found[0]
 
 
 def _unite(model: ModelDescription, extras: Extras) -> tuple[dict[str, Port], dict[str, str]]:
@@ -288,25 +319,30 @@ def _unite(model: ModelDescription, extras: Extras) -> tuple[dict[str, Port], di
     ports: dict[str, Port] = {}
     node_of: dict[str, str] = {}
     for base, members in groups.items():
-        shape = members[0].shape if not fmi2 else _shape(members)
+        shape = members[0].shape if not fmi2 else _shape(members, extras)
         scalars = shape is None or (base in taken and len(members) > 1)
+        if prod(shape or ()) > _MOST_ELEMENTS:
+            raise ValueError(f"{base} has {prod(shape or ()):,} elements, more than {_MOST_ELEMENTS:,}: not supported")
         for name, variables in [(v.name, [v]) for v in members] if scalars else [(base, members)]:
             ports[name] = _port(name, () if shape is None or scalars else shape, variables, fmi2, extras)
             node_of.update(zip((v.name for v in variables), ports[name].nodes, strict=True))
     return ports, node_of
 
 
-def _shape(members: list[ModelVariable]) -> tuple[int, ...] | None:
+def _shape(members: list[ModelVariable], extras: Extras) -> tuple[int, ...] | None:
     """Shape of the array that the scalars form in row-major order; None when they form none."""
     matches = [_ELEMENT.fullmatch(v.name) for v in members]
     if len(members) == 1 and matches[0] is None:
         return ()
     indices = [tuple(int(i) for i in m["index"].split(",")) for m in matches if m is not None]
     shape = indices[-1] if indices else ()
+    if prod(shape) != len(members):  # before as many are counted as an index says
+        return None
     first = members[0]
     alike = all(
         (v.type, v.unit, v.causality, v.variability, v.initial, v.start is None)
         == (first.type, first.unit, first.causality, first.variability, first.initial, first.start is None)
+        and (v.name in extras.relative) == (first.name in extras.relative)
         for v in members
     )
     return shape if alike and indices == list(product(*(range(1, n + 1) for n in shape))) else None
@@ -335,6 +371,8 @@ def _port(name: str, shape: tuple[int, ...], variables: list[ModelVariable], fmi
         start=start,
         description=first.description or "",
         items=_items(first) if first.type == "Enumeration" else (),
+        declared_type=None if first.declaredType is None else first.declaredType.name,
+        relative=first.name in extras.relative,
     )
 
 

@@ -12,12 +12,15 @@ import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration.fmu import Port
+from orchestration.isolation.disk import Disk
+from orchestration.isolation.writing import replacing
 from orchestration.plan import Floats
-from orchestration.results import Recording, Result, typed, written
+from orchestration.results import Recording, Result, typed
 from orchestration.schedule import split
 from orchestration.system import System
 
 _BUFFER = 2**23  # values that are collected before they are written
+_INDEX, _DATASET, _SPARE = 256, 8192, 2**17  # bytes that HDF5 takes for a chunk, for a dataset, and once
 
 
 class FileRecording(Recording):
@@ -26,7 +29,7 @@ class FileRecording(Recording):
     def __init__(self, system: System, record: Sequence[str] | None, path: Path) -> None:
         super().__init__(system, record)
         self.path = path
-        _check(path, self.ports)
+        check(path, self.ports)
         self._buffer = np.empty((max(1, _BUFFER // max(self.size, 1)), self.size))
         self._used = 0
         self._open: _File | None = None
@@ -47,14 +50,31 @@ class FileRecording(Recording):
         self._used += rows
         self.filled += rows
 
+    def flush(self) -> None:
+        """Write what is kept; AdcsError if the disk is full, and what fitted is kept."""
+        self._flush()
+
     def close(self, times: Floats, manifest: Mapping[str, Any]) -> None:
         """Write the times and what is known about the run, and close the file."""
         self._flush().close(times, manifest)
 
     def _flush(self) -> _File:
         """Write what is kept; the file is made by the first rows, so that a refused run leaves an older one alone."""
-        self._open = self._open or _File(self.path, self.ports)
-        self._open.append(self._buffer[: self._used])
+        if self._open is None:
+            if self.path.is_symlink():  # it is replaced, not followed
+                self.path.unlink()
+            self._open = _File(self.path, self.ports)
+        done, piece = 0, max(1, self._used)
+        while done < self._used:
+            try:
+                self._open.append(self._buffer[done : min(done + piece, self._used)])
+                done += piece
+            except AdcsError:  # the disk is full: what fits is kept
+                if piece == 1:
+                    self.filled -= self._used - done
+                    self._used = 0
+                    raise
+                piece = max(1, piece // 4)
         self._used = 0
         return self._open
 
@@ -95,15 +115,18 @@ class FileResult(Result):
 
 def write(result: Result, path: str | Path) -> None:
     """Write a result: `/time`, `/COMPONENT/VARIABLE` (rows, *shape) with attributes `unit` and `description`."""
-    _check(Path(path), result.ports)
-    file = _File(Path(path), result.ports)
+    check(Path(path), result.ports)
     rows = max(1, _BUFFER // max(1, sum(port.size for port in result.ports.values())))
-    for first in range(0, len(result.time), rows):
-        file.append(result.block(first, min(first + rows, len(result.time))))
-    file.close(result.time, result.manifest)
+    with replacing(path) as name:
+        file = _File(name, result.ports, path)
+        try:
+            for first in range(0, len(result.time), rows):
+                file.append(result.block(first, min(first + rows, len(result.time))))
+        finally:
+            file.close(result.time, result.manifest)
 
 
-def _check(path: Path, ports: Mapping[str, Port]) -> None:
+def check(path: Path, ports: Mapping[str, Port]) -> None:
     """Refuse a place where no file can be, and names that cannot stand side by side in it."""
     if path.is_dir():
         raise AdcsError(f"cannot write {path}: it is a folder")
@@ -116,12 +139,16 @@ def _check(path: Path, ports: Mapping[str, Port]) -> None:
 
 
 class _File:
-    def __init__(self, path: Path, ports: Mapping[str, Port]) -> None:
+    def __init__(self, path: Path, ports: Mapping[str, Port], shown: str | Path | None = None) -> None:
         self._ports = ports
+        self._rows = 0
+        shown = shown or path
         try:
-            self._file = h5py.File(written(path), "w")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._disk = Disk(path, shown)
         except OSError as error:
-            raise AdcsError(f"cannot write {path}: {' '.join(str(error).split())}") from error
+            raise AdcsError(f"cannot write {shown}: {error.strerror or error}") from error
+        self._file = h5py.File(self._disk, "w")
         for name, port in ports.items():
             made = self._file.create_dataset(
                 _place(name),
@@ -134,6 +161,9 @@ class _File:
             made.attrs["description"] = port.description
 
     def append(self, rows: Floats) -> None:
+        """Add rows; AdcsError, and the file is as it was, if the disk has no room for them and for the end."""
+        self._disk.reserve(self._size(self._rows + len(rows)))
+        self._rows += len(rows)
         first = 0
         for name, port in self._ports.items():
             dataset = self._file[_place(name)]
@@ -147,6 +177,14 @@ class _File:
         self._file["time"].attrs["unit"] = "s"
         self._file["manifest"] = json.dumps(manifest)
         self._file.close()
+        self._disk.close()
+
+    def _size(self, rows: int) -> int:
+        """A bound on the size of the file with so many rows: whole chunks, the times, and what HDF5 adds."""
+        chunks = [max(1, 2**15 // port.size) * port.size * 8 for port in self._ports.values()]
+        counts = [-(-rows * port.size * 8 // size) for port, size in zip(self._ports.values(), chunks, strict=True)]
+        data = sum(n * (size + _INDEX) for n, size in zip(counts, chunks, strict=True))
+        return data + 8 * rows + len(self._ports) * _DATASET + _SPARE
 
 
 def _place(name: str) -> str:

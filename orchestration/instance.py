@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import chdir, contextmanager, suppress
-from ctypes import byref
+from ctypes import byref, c_bool, c_double
+from functools import cached_property
 from math import isfinite
 from pathlib import Path
 from threading import Lock
@@ -18,6 +20,9 @@ from fmpy.fmi1 import FMICallException, printLogMessage
 from fmus.errors import AdcsError
 from orchestration.events import Events
 from orchestration.fmu import Fmu, Kind, Port
+from orchestration.grid import SNAP
+from orchestration.isolation.guard import Guard
+from orchestration.isolation.where import Where
 from orchestration.stepping import Stepper
 
 _STATUS = {0: "ok", 1: "warning", 2: "discard", 3: "error", 4: "fatal", 5: "pending"}
@@ -36,6 +41,7 @@ _RANGES = {"Boolean": (0, 1)} | {
 _LAST_SUCCESSFUL_TIME, _TERMINATED = 2, 3  # of fmi2StatusKind
 _WITHOUT_CATEGORY = "PythonFMU"  # whose messages of exceptions have none: they come if no categories are asked for
 _OURS = "adcs-fmus "  # generationTool of the components built here, which never discard a step
+_WORD = re.compile(r"[A-Za-z_][\w.]*")
 # fmpy changes the working directory of the process while it loads a library, and leaves it so if that fails
 _loading = Lock()
 
@@ -52,6 +58,18 @@ class CallFailed(AdcsError):
     def __str__(self) -> str:
         when = "" if self.time is None else f" failed at t = {self.time:.9g} s"
         return f"{self.component}{when}: {self.text}"
+
+
+class EndRequested(CallFailed):
+    """A component wants the simulation to end, which is no failure; `time` is that up to which its values are valid."""
+
+    def __str__(self) -> str:
+        when = "" if self.time is None else f" at t = {self.time:.9g} s"
+        return f"{self.component} ended the simulation{when}: {self.text}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """For the manifest."""
+        return {"component": self.component, "time": self.time, "message": self.text}
 
 
 @contextmanager
@@ -71,13 +89,28 @@ class Instance:
     `handle` is fmpy's object. Every failing call raises CallFailed.
     """
 
-    def __init__(self, name: str, fmu: Fmu, kind: Kind, folder: Path, binary: Path) -> None:
+    def __init__(
+        self,
+        name: str,
+        fmu: Fmu,
+        kind: Kind,
+        folder: Path,
+        binary: Path,
+        where: Where | None = None,
+        guard: Guard | None = None,
+    ) -> None:
         self.name = name
+        self._where = where or Where()
+        self._guard = guard
         self.fmu = fmu
         self.major = fmu.major_version
         self.kind: Kind = kind
         self.messages: deque[tuple[int, str]] = deque(maxlen=20)
         self.warnings: list[str] = []
+        self.sources: dict[str, str] = {}
+        """Of each connected input, the output that feeds it: for messages."""
+        self.wants_end = False
+        """Whether it has asked to end the simulation, where it has come to."""
         self._alive = False
         self._fatal = False
         self._callbacks: Any = None
@@ -90,6 +123,7 @@ class Instance:
                 f"{name} ({fmu.path.name}) has clocks ({clocks}), which are supported in co-simulation with event mode "
                 "only: run the system with method 'co-simulation'"
             )
+        self.begins("instantiating")
         try:
             with _loading, chdir("."):
                 self.handle: Any = _CLASSES[self.major, kind](
@@ -109,8 +143,11 @@ class Instance:
             if interface.needsExecutionTool:
                 reason += f"; it needs the tool that made it, {fmu.model.generationTool or 'which it does not name'}"
             raise AdcsError(f"{name}: cannot instantiate {fmu.path.name}: {reason}") from error
+        finally:
+            self._where.idle()
         self._alive = True
         self._listen()
+        self._check()
         if kind == "co-simulation" and self._needs_care():
             self._stepper = Stepper(self, self._events)
 
@@ -170,14 +207,28 @@ class Instance:
         self._fatal = self._fatal or status == 4
         reason = _STATUS.get(status, f"the unknown status {status}")
         if action == "doStep" and status == 2 and self.major == 2:
+            last = self._last_successful_time()
             if self.terminated:
-                return self.ended()
-            with suppress(FMICallException):
-                more += f", having got to t = {self.handle.getRealStatus(_LAST_SUCCESSFUL_TIME):.9g} s"
+                return self.ended(last)
+            if last is not None:
+                more += f", having got to t = {last:.9g} s"
         elif action == "doStep" and status == 5:
             more += ", though it does not declare canRunAsynchronuously"
         message = self.last_message or "the FMU gave no message"
-        return CallFailed(self.name, f"{action} returned {reason}{more}: {message}")
+        return CallFailed(self.name, f"{action} returned {reason}{more}: {message}{self._fed(f'{action} {message}')}")
+
+    def _last_successful_time(self) -> float | None:
+        """Ask an FMI 2 FMU that has discarded a step how far it got."""
+        with suppress(FMICallException):
+            last = float(self.handle.getRealStatus(_LAST_SUCCESSFUL_TIME))
+            return last if isfinite(last) else None
+        return None
+
+    def _fed(self, message: str) -> str:
+        """Say where the inputs of which a message speaks come from."""
+        words = set(_WORD.findall(message))
+        fed = [f"{name} comes from {source}" for name, source in self.sources.items() if name in words]
+        return f" ({', '.join(fed)})" if fed else ""
 
     def wrong(self, text: str) -> CallFailed:
         """Put into words that the FMU does something that it should not."""
@@ -201,20 +252,40 @@ class Instance:
             return self.major == 2 and bool(self.handle.getBooleanStatus(_TERMINATED))
         return False
 
-    def ended(self) -> CallFailed:
-        """Put into words that the FMU wants the simulation to end."""
-        return CallFailed(self.name, f"asked to end the simulation: {self.last_message or 'it gave no reason'}")
+    def ended(self, time: float | None = None) -> EndRequested:
+        """Put into words that the FMU wants the simulation to end, having come to a time."""
+        end = EndRequested(self.name, self.last_message or "it gave no reason")
+        end.time = time
+        return end
 
-    def returned_early(self) -> CallFailed:
+    def returned_early(self, last: float) -> CallFailed:
         """Put into words that the FMU stepped less far than asked."""
-        return CallFailed(self.name, "doStep returned early, which was not allowed")
+        return CallFailed(self.name, f"doStep returned early at t = {last:.9g} s, which was not allowed")
 
     def call(self, action: str, method: str, *arguments: Any, **named: Any) -> Any:
         """Call a method of fmpy's object; `action` says what is done, for the error."""
+        self._where.call(self.name, action)
         try:
             return getattr(self.handle, method)(*arguments, **named)
         except FMICallException as error:
             raise self.failure(action, error.status) from error
+        finally:
+            self._where.idle()
+            if self._guard is not None and not self.ours:
+                self._guard.thread(self.name)
+
+    def begins(self, action: str) -> None:
+        """Note that a call is about to be made past `call`."""
+        self._where.call(self.name, action)
+
+    def _check(self) -> None:
+        if self._guard is not None and not self.ours:
+            self._guard.check(self.name)
+
+    @cached_property
+    def ours(self) -> bool:
+        """Whether the FMU was built here: it leaves alone what is not its own."""
+        return (self.fmu.model.generationTool or "").startswith(_OURS)
 
     def get(self, references: Sequence[int], size: int, action: str = "get", type: str = "Float64") -> list[float]:
         """Get values of a numeric type, named as in `Port.type`; Boolean ones are 0 or 1."""
@@ -267,7 +338,7 @@ class Instance:
     @property
     def retries(self) -> bool:
         """Whether a step that is discarded is retried in smaller ones, for which the state is saved before each."""
-        return self.can_save and self.can_vary_step and not (self.fmu.model.generationTool or "").startswith(_OURS)
+        return self.can_save and self.can_vary_step and not self.ours
 
     @property
     def can_serialize(self) -> bool:
@@ -325,17 +396,37 @@ class Instance:
         return self._stepper is not None
 
     def do_step(self, time: float, step: float) -> None:
-        """Co-Simulation: step on from `time`."""
+        """Co-Simulation: step on from `time`. EndRequested if it ends the simulation before the end of the step.
+
+        If it does so at the end of the step, `wants_end` says so.
+        """
         if self._stepper is not None:
             self._stepper.step(time, step)
             return
-        ended = self.call("doStep", "doStep", time, step)
-        if self.major == 3:
-            _, terminate, early, _ = ended
-            if terminate:
-                raise self.ended()
-            if early:
-                raise self.returned_early()
+        if self.major == 2:
+            self.call("doStep", "doStep", time, step)
+            return
+        event, terminate, early, last = c_bool(), c_bool(), c_bool(), c_double(time + step)  # which not all FMUs set
+        do_step = getattr(self.handle, "_functions")["fmi3DoStep"]  # noqa: B009 - what fmpy loaded
+        results = [byref(r) for r in (event, terminate, early, last)]
+        status = do_step(self.handle.component, time, step, True, *results)
+        if status not in (0, 1):
+            raise self.failure("doStep", status)
+        if terminate.value:
+            self.end_at(time, step, early=early.value, last=last.value)
+        elif early.value:
+            raise self.returned_early(last.value)
+
+    def end_at(self, time: float, step: float, *, early: bool, last: float) -> None:
+        """Take an FMI 3 step for what it is that ends the simulation at time `last`: EndRequested if it is not done."""
+        if last >= time + step - SNAP * step:
+            self.wants_end = True
+        elif last >= time:
+            raise self.ended(last)
+        elif early:
+            raise self.returned_early(last)
+        else:  # it has not said how far it got, and need not
+            self.wants_end = True
 
     def enter_initialization(self, start_time: float, stop_time: float) -> None:
         """Enter initialisation mode."""
@@ -357,6 +448,7 @@ class Instance:
         self.call("initialisation", "exitInitializationMode")
         if self._events is not None:
             self._events.begin(self._start_time)
+        self._check()
 
     def abandon(self) -> None:
         """Never call it again: a call of it is still going on."""
@@ -369,9 +461,13 @@ class Instance:
             if self._stepper is not None:
                 self._stepper.close()
             if healthy:
+                self.begins("terminating")
                 with suppress(FMICallException):
                     self.handle.terminate()
+            self.begins("freeing")
             self.handle.freeInstance()
+            self._where.idle()
+            self._check()
         if self._callbacks is not None:
             _loggers.pop(self._callbacks.componentEnvironment, None)
 

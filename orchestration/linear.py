@@ -66,6 +66,8 @@ def linearize(
     with CoupledModel(system, start_time, fmi_version=fmi_version, record=[], loops=loops) as model:
         solution = Solution(model, start_time, 1e-9 * max(time - start_time, 1e-3), solver, rtol, atol)
         solution.reach(time)
+        if model.ended is not None:
+            raise AdcsError(f"{model.ended}; linearise at a time before that")
         model.set_point(time, solution.x)
         found = _Linear(model, solution, open_at).assemble(time, inputs, outputs)
         sizes = np.maximum(np.abs(solution.x), model.nominals)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import operator
 import re
 from dataclasses import dataclass
@@ -13,11 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, shown
 from orchestration.grid import Grid
 from orchestration.plan import Floats
 from orchestration.results import Recording
 from orchestration.system import System, Value
+from orchestration.tables import read_table
 
 if TYPE_CHECKING:
     from orchestration.session import CoSimulation
@@ -81,23 +81,11 @@ class Inputs:
 
         `[unit]` after a name, as in the files that a run writes, must be the input's own unit.
         """
-        try:
-            with path.open(newline="", encoding="utf-8-sig") as file:
-                lines = [line for line in csv.reader(file) if line]
-        except OSError as error:
-            raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
-        except UnicodeDecodeError:
-            raise AdcsError(f"{path} is not a text file in UTF-8") from None
-        if not lines or _name(lines[0][0]) != ("time", lines[0][0].strip()[5:-1] or None):
+        header, table = read_table(path, header=True)
+        if not header or _name(header[0])[0].strip() != "time":
             raise AdcsError(f"{path}: the first line must be `time` and the names of inputs")
-        header, *rows = lines
-        for number, row in enumerate(rows, 2):
-            if len(row) != len(header):
-                raise AdcsError(f"{path}, line {number}: {len(row)} values, the first line has {len(header)} names")
-        try:
-            table = np.array([[float(cell) for cell in row] for row in rows]).reshape(len(rows), len(header))
-        except ValueError as error:
-            raise AdcsError(f"{path}: {error}") from None
+        if _name(header[0])[1] not in (None, "s"):
+            raise AdcsError(f"{path}: time is in {_name(header[0])[1]!r}, expected 's'")
         columns: dict[str, Floats] = {}
         for column, text in enumerate(header[1:], 1):
             name, unit = _known(system, text)
@@ -118,7 +106,7 @@ class Inputs:
         return values
 
 
-_HEADER = re.compile(r"(?P<name>.*?)(?:\[(?P<unit>[^\[\]]*)\])?")
+_HEADER = re.compile(r"(?P<name>.*?)(?:\[(?P<unit>[^\[\]]*)\])?", re.DOTALL)
 
 
 def _name(text: str) -> tuple[str, str | None]:
@@ -134,15 +122,18 @@ def _known(system: System, text: str) -> tuple[str, str | None]:
         return text.strip(), None
     except AdcsError:
         name, unit = _name(text)
-        system.end(name)
+        port = system.port(name)[1]
+        if unit != port.unit and re.fullmatch(r"[\d,\s]+", unit or ""):  # an element that there is not
+            raise
         return name, unit
 
 
+_NAP = 60.0  # s; longer ones are more than some systems sleep
+_MOST_KEPT = 200_000  # of how late points were
+
 _COMPARISONS = {"<=": operator.le, ">=": operator.ge, "<": operator.lt, ">": operator.gt}
-_CONDITION = re.compile(
-    r"\s*(?:(?P<function>norm|max|min)\s*\(\s*(?P<inside>[^()]+?)\s*\)|(?P<plain>[^<>=()]+?))\s*"
-    r"(?P<comparison><=|>=|<|>)\s*(?P<bound>[^<>=\s]+)\s*"
-)
+_CONDITION = re.compile(r"(?P<left>[^<>=]+)(?P<comparison><=|>=|<|>)(?P<bound>[^<>=]+)")
+_FUNCTION = re.compile(r"(?P<function>norm|max|min)\s*\((?P<inside>.+)\)", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -168,22 +159,27 @@ class Condition:
             bound = float("nan")
         if match is None or not isfinite(bound):
             raise AdcsError(
-                f"condition {text!r}: expected VARIABLE < NUMBER, or norm(VARIABLE), max(), min(); <=, >, >="
+                f"condition {shown(repr(text))}: expected VARIABLE < NUMBER, or norm(VARIABLE), max(), min(); <=, >, >="
             )
-        name = match["inside"] or match["plain"]
+        left = match["left"].strip()
+        call = _FUNCTION.fullmatch(left)
+        function, name = (call["function"], call["inside"].strip()) if call else (None, left)
         end = system.end(name)
         whole = f"{end.component}.{end.port.name}"
         if whole not in recording.ports:
-            raise AdcsError(f"condition {text!r}: {whole} is not recorded, and has to be")
-        if match["function"] is None and len(end.elements) > 1:
-            raise AdcsError(f"condition {text!r}: {name} is an array, use norm(), max(), min() or one element of it")
+            raise AdcsError(f"condition {shown(repr(text))}: {whole} is not recorded, and has to be")
+        if function is None and len(end.elements) > 1:
+            raise AdcsError(
+                f"condition {shown(repr(text))}: {shown(name)} is an array, use norm(), max(), min() or one "
+                "element of it"
+            )
         first = 0
         for recorded, port in recording.ports.items():
             if recorded == whole:
                 break
             first += port.size
         where = tuple(first + i for i in end.elements)
-        return cls(text, match["function"], where, match["comparison"], bound)
+        return cls(text, function, where, match["comparison"], bound)
 
     def first(self, rows: Floats) -> int | None:
         """Index of the first row that meets the condition."""
@@ -207,7 +203,10 @@ class Pace:
             raise AdcsError(f"speed = {speed}: expected a positive number, 1 for real time")
         self.speed = speed
         self._step = grid.step / speed
+        if not isfinite(self._step):
+            raise AdcsError(f"speed = {speed}: a step of {grid.step:g} s would last for ever")
         self._late: list[float] = []
+        self._points, self._most, self._every = 0, 0.0, 1
 
     def start(self, k: int) -> None:
         """Let point k be now."""
@@ -217,8 +216,12 @@ class Pace:
         """Wait for point k; return how many points are due."""
         deadline = self._origin + k * self._step
         while (early := deadline - perf_counter()) > 0:
-            sleep(early if early > 2e-3 else 0)  # sleeping longer than asked is what makes late
-        self._late.append(-early)
+            sleep(min(early, _NAP) if early > 2e-3 else 0)  # sleeping longer than asked is what makes late
+        self._points, self._most = self._points + 1, max(self._most, -early)
+        if self._points % self._every == 0:
+            self._late.append(-early)
+            if len(self._late) == _MOST_KEPT:  # of a long run every second one is kept, then every fourth ...
+                self._late, self._every = self._late[1::2], 2 * self._every
         return 1
 
     def report(self) -> dict[str, Any]:
@@ -227,8 +230,8 @@ class Pace:
         p50, p99 = np.percentile(late, [50, 99])
         return {
             "speed": self.speed,
-            "points": len(self._late),
+            "points": self._points,
             "late_median_s": float(p50),
             "late_99_percent_s": float(p99),
-            "late_most_s": float(late.max()),
+            "late_most_s": self._most,
         }

@@ -10,7 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from fmus import paths
+from fmus.freshness import outdated
 from orchestration.fmu import FmiVersion
+from orchestration.seeds import is_seed
 from orchestration.system import Connection, System
 
 _PACKAGES = ("adcs-fmus", "fmpy", "numpy", "scipy", "ziglang")
@@ -20,8 +23,11 @@ def make_manifest(system: System, fmi_version: FmiVersion, settings: dict[str, A
     """Describe a system and how it is run: components with checksums and start values, connections, seeds, versions."""
     components = {}
     seeds = {}
+    warnings = []
     for component in system.components.values():
         fmu = component.open(fmi_version)
+        if fmu.path.parent == paths.DIST and (text := outdated(str(component.source), fmu.path)):
+            warnings.append(text)
         start = {name: _nested(values, fmu.ports[name].shape) for name, values in component.start.items()}
         components[component.name] = {
             "fmu": str(component.source),
@@ -32,7 +38,7 @@ def make_manifest(system: System, fmi_version: FmiVersion, settings: dict[str, A
             **({"every": component.every} if component.every > 1 else {}),
         }
         for port in fmu.ports.values():
-            if port.name == "seed" or port.name.endswith("_seed"):
+            if is_seed(port) or port.name == "seed" or port.name.endswith("_seed"):
                 default = None if port.start is None else _nested(port.start, port.shape)
                 seeds[f"{component.name}.{port.name}"] = start.get(port.name, default)
     return {
@@ -44,6 +50,7 @@ def make_manifest(system: System, fmi_version: FmiVersion, settings: dict[str, A
         },
         "settings": settings,
         "seeds": seeds,
+        "warnings": warnings,
         "versions": {
             **{name: _version(name) for name in _PACKAGES},
             "python": platform.python_version(),
@@ -51,6 +58,15 @@ def make_manifest(system: System, fmi_version: FmiVersion, settings: dict[str, A
         },
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
     }
+
+
+def completed(manifest: dict[str, Any]) -> dict[str, Any]:
+    """Return the outcome of a run that came to its end: its stop time, a condition, or where a component ended it.
+
+    What the manifest says of the last two moves to the outcome.
+    """
+    ends = {"met": manifest.pop("stopped", None), "ended": manifest.pop("ended", None)}
+    return {"status": "complete", **{name: end for name, end in ends.items() if end is not None}}
 
 
 def _described(connection: Connection) -> list[Any]:

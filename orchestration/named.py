@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +30,9 @@ def find_system(name: str) -> SystemEntry:
     if path.suffix == ".fmu":
         return _from_fmu(path)
     if name not in SYSTEMS:
-        raise AdcsError(f"no system {name!r}: choose one of {', '.join(SYSTEMS)}, or give an .ssp or .fmu file")
+        close = get_close_matches(name, SYSTEMS, 3, 0.5)
+        hint = f"did you mean {' or '.join(close)}" if close else f"choose one of {', '.join(SYSTEMS)}"
+        raise AdcsError(f"no system {name!r}: {hint}, or give an .ssp or .fmu file")
     return SYSTEMS[name]
 
 

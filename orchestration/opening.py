@@ -8,6 +8,8 @@ from pathlib import Path
 
 from orchestration.fmu import FmiVersion, Kind, extracted
 from orchestration.instance import Instance
+from orchestration.isolation.guard import Guard
+from orchestration.isolation.where import Where
 from orchestration.loops import Loops, LoopSolver
 from orchestration.plan import make_plan
 from orchestration.propagation import execute
@@ -24,10 +26,13 @@ def initialised(
     *,
     external: Sequence[str] = (),
     solver: LoopSolver | None = None,
+    where: Where | None = None,
+    guard: Guard | None = None,
 ) -> Iterator[dict[str, Instance]]:
     """Instantiate and initialise all components, values propagated along the connections; frees them at the end.
 
     Inputs in `external` keep their start values; `solver` solves algebraic loops, which are refused without it.
+    `where` is told of every call, and `guard` looks after what the components change of the process.
     """
     system.check(external)
     fmus = {c.name: c.open(version) for c in system.components.values()}
@@ -42,9 +47,13 @@ def initialised(
             key = f"{fmu.sha256} {name if alone else ''}"
             if key not in folders:
                 folders[key] = stack.enter_context(extracted(fmu, kind))
-            instance = Instance(name, fmu, kind, *folders[key])
+            instance = Instance(name, fmu, kind, *folders[key], where, guard)
             stack.push(lambda kind_of_error, _, __, instance=instance: instance.close(healthy=kind_of_error is None))
             instances[name] = instance
+        for connection in system.connections:
+            component_name, port = system.port(connection.target)
+            fed = instances[component_name].sources
+            fed[port.name] = f"{fed[port.name]}, {connection.source}" if port.name in fed else connection.source
         for component in system.components.values():
             for variable, values in component.start.items():
                 instances[component.name].set_start(fmus[component.name].ports[variable], values)

@@ -41,6 +41,8 @@ class Call:
     mappings: tuple[tuple[tuple[float, float], ...], ...] = ()
     loop: int = -1
     every: int = 1
+    links: tuple[Connection, ...] = ()
+    """Of a set call, the connection from which each value comes; one without a source where there is none."""
 
     @property
     def plain(self) -> bool:
@@ -254,7 +256,8 @@ class _Builder:
         where = np.array([signal for signal, _ in origins], np.intp)
         links = [connection or _DIRECT for _, connection in origins]
         if all(link.plain for link in links):
-            return Call("set", component, elements, references, where, type_, every=self._every[component])
+            every = self._every[component]
+            return Call("set", component, elements, references, where, type_, every=every, links=tuple(links))
         return Call(
             "set",
             component,
@@ -266,6 +269,7 @@ class _Builder:
             np.array([link.offset for link in links]),
             tuple(link.mapping for link in links) if any(link.mapping for link in links) else (),
             every=self._every[component],
+            links=tuple(links),
         )
 
     def _common(self, loop: Operation) -> int:

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from orchestration.isolation.writing import replacing
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -22,6 +24,8 @@ PALETTE = ("#3b7dd8", "#e2703a", "#2e9e6b", "#b05cc6", "#c79a1e", "#d94f70", "#1
 GUIDE_COLOR = "#8a93a3"
 POINTS_IN_REPORT = 1500  # per curve; more than the pixels a panel is wide
 POINTS_IN_PNG = 6000
+_ROUNDING = 1e-14  # relative; a smaller change is of no curve
+_SINGLE = 1e-3  # relative; a smaller change is not to be seen in single precision
 _MATPLOTLIB_DASH: dict[Dash, Any] = {"solid": "-", "dash": (0, (5, 2)), "dot": (0, (1.2, 1.6))}
 
 
@@ -102,6 +106,35 @@ def _points(panel: Panel, series: Series, limit: int) -> tuple[Array, Array]:
     return thin(x, y, limit)
 
 
+def limits(panel: Panel) -> dict[str, tuple[float, float] | None]:
+    """The ends of the axes `x` and `y`, for both pictures: all values and guides, with some room above and below.
+
+    None where there is nothing to be seen.
+    """
+    points = [_points(panel, series, POINTS_IN_PNG) for series in panel.series]
+    markers = any(series.markers for series in panel.series)
+    found: dict[str, tuple[float, float] | None] = {}
+    for i, (name, log) in enumerate((("x", panel.log_x), ("y", panel.log))):
+        values = np.concatenate([*(each[i] for each in points), [g.value for g in panel.guides if g.axis == name]])
+        values = values[np.isfinite(values) & ((values > 0) | (not log))]
+        found[name] = _room(values, log, 0.0 if name == "x" and not markers else 0.05) if len(values) else None
+    return found
+
+
+def _room(values: Array, log: bool, part: float) -> tuple[float, float]:
+    """Ends of an axis for these values, with a part of their span more at each end; a constant is in the middle."""
+    low, high = float(values.min()), float(values.max())
+    if log:
+        ends = np.log10([low, high])
+        ends += np.array([-1, 1]) * (part * (ends[1] - ends[0]) or 0.5 * (low == high))
+        return float(10 ** ends[0]), float(10 ** ends[1])
+    size = max(abs(low), abs(high))
+    if high - low <= _ROUNDING * size:
+        return low - 0.05 * (size or 1.0), high + 0.05 * (size or 1.0)
+    more = part * (high - low)
+    return low - more, high + more
+
+
 def _color(series: Series, position: int) -> str:
     return PALETTE[(position if series.color is None else series.color) % len(PALETTE)]
 
@@ -113,12 +146,9 @@ def _in_legend(panel: Panel, series: Series) -> bool:
 def plotly_figure(panel: Panel) -> dict[str, Any]:
     """The panel as a Plotly figure (`data`, `layout`), colours of text and grid left to the page."""
     traces = []
-    limits: dict[str, list[float]] = {"x": [], "y": []}
+    ends = limits(panel)
     for position, series in enumerate(panel.series):
         x, y = _points(panel, series, POINTS_IN_REPORT)
-        for name, values in (("x", x), ("y", y)):
-            if np.isfinite(values).any():
-                limits[name] += [np.nanmin(values), np.nanmax(values)]
         traces.append(
             {
                 "type": "scatter",
@@ -128,7 +158,12 @@ def plotly_figure(panel: Panel) -> dict[str, Any]:
                 "name": series.label,
                 "showlegend": _in_legend(panel, series),
                 "opacity": 0.55 if series.faint else 1.0,
-                "line": {"color": _color(series, position), "dash": series.dash, "width": 1.0 if series.faint else 1.8},
+                "line": {
+                    "color": _color(series, position),
+                    "dash": series.dash,
+                    "width": 1.0 if series.faint else 1.8,
+                    "simplify": False,  # else a ripple of less than a pixel or so becomes a polygon
+                },
                 "marker": {"size": 8},
             }
         )
@@ -143,20 +178,29 @@ def plotly_figure(panel: Panel) -> dict[str, Any]:
         "annotations": [_plotly_guide_label(panel, guide) for guide in panel.guides if guide.label],
     }
     for name, log in (("x", panel.log_x), ("y", panel.log)):
+        end = ends[name]
+        if end is not None:  # in decades where the axis is
+            layout[f"{name}axis"] |= {"range": [float(np.log10(e)) if log else e for e in end], "autorange": False}
         if log:
-            layout[f"{name}axis"] |= {"dtick": _decade_ticks(limits[name]), "tickfont": {"size": 10}}
+            layout[f"{name}axis"] |= {"dtick": _decade_ticks(end), "tickfont": {"size": 10}}
     return {"data": traces, "layout": layout}
 
 
-def _decade_ticks(limits: Sequence[float]) -> int | str:
+def _decade_ticks(ends: tuple[float, float] | None) -> int | str:
     """Plotly's `dtick` of a logarithmic axis: 1, 2, 5, 10, ... on a short one, else at most about eight decades."""
-    decades = float(np.log10(max(limits) / min(limits))) if limits else 1.0
+    decades = float(np.log10(ends[1] / ends[0])) if ends else 1.0
     return "D2" if decades < 2 else int(np.ceil(decades / 8))
 
 
 def _packed(values: Array) -> dict[str, str]:
-    """As plotly.js takes arrays in JSON; single precision is a quarter of the size of text and finer than a pixel."""
-    return {"dtype": "f4", "bdata": b64encode(values.astype("<f4").tobytes()).decode("ascii")}
+    """As plotly.js takes arrays in JSON; single precision is a quarter of the size of text and finer than a pixel.
+
+    Double where the values change little: a ripple on a large constant.
+    """
+    finite = values[np.isfinite(values)]
+    little = len(finite) > 0 and np.ptp(finite) < _SINGLE * np.abs(finite).max()
+    kind = "f8" if little else "f4"
+    return {"dtype": kind, "bdata": b64encode(values.astype(f"<{kind}").tobytes()).decode("ascii")}
 
 
 def _plotly_guide(guide: Guide) -> dict[str, Any]:
@@ -202,8 +246,8 @@ def write_png(path: str | Path, panels: Sequence[Panel], title: str = "", column
         axes.set_axis_off()
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)  # type: ignore[union-attr,call-arg]
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, facecolor="white")
+    with replacing(path) as name:
+        figure.savefig(name, facecolor="white")
 
 
 def _draw(axes: Axes, panel: Panel) -> None:
@@ -226,8 +270,11 @@ def _draw(axes: Axes, panel: Panel) -> None:
         axes.set_yscale("log")
     if panel.log_x:
         axes.set_xscale("log")
-    else:
-        axes.margins(x=0)
+    ends = limits(panel)
+    if ends["x"] is not None:
+        axes.set_xlim(ends["x"])
+    if ends["y"] is not None:
+        axes.set_ylim(ends["y"])
     labels = [series.label for series in panel.series if _in_legend(panel, series)]
     lines = -(-len(labels) * (max(map(len, labels)) + 7) // 95) if labels else 0  # about 95 characters fit in one
     if labels:

@@ -82,9 +82,20 @@ def not_held(call: Call, element: int, value: float) -> CallFailed:
     where = f"{call.elements[element]} = {value:.17g}"
     if call.kind == "get":
         return CallFailed(call.component, f"{where} is beyond 2^53, and cannot be handed on or recorded exactly")
-    return CallFailed(call.component, f"{where} does not fit type {call.type}")
+    return CallFailed(call.component, f"{where} does not fit type {call.type}{_source(call, element)}")
 
 
 def not_mapped(call: Call, element: int, value: float) -> CallFailed:
     """Put into words that a connection's mapping has no pair for the value that came."""
-    return CallFailed(call.component, f"{call.elements[element]} gets a value for which its connection has no mapping")
+    text = f"{call.elements[element]} gets a value for which its connection has no mapping"
+    return CallFailed(call.component, f"{text}{_source(call, element)}")
+
+
+def _source(call: Call, element: int) -> str:
+    """Say where the value that a set call hands on comes from."""
+    link = call.links[element] if call.links else None
+    if link is None or not link.source:
+        return ""
+    _, bracket, index = call.elements[element].partition("[")
+    whole = not link.target.endswith("]")
+    return f", it comes from {link.source}{bracket + index if whole else ''}"

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from math import inf
 
-from orchestration.instance import CallFailed, Instance, failing_at
+from orchestration.instance import CallFailed, EndRequested, Instance, failing_at
+from orchestration.isolation.where import Doing, Where
 from orchestration.plan import Floats, Plan
-from orchestration.propagation import Ring, action_of, execute
+from orchestration.propagation import Ring, execute
 
 
 class PythonLoop:
@@ -20,11 +22,28 @@ class PythonLoop:
         rings: tuple[Ring, ...] = (),
         record_every: int = 1,
         solve: Callable[[int], None] | None = None,
+        where: Where | None = None,
     ) -> None:
         self._plan, self._instances, self._rings = plan, instances, rings
         self._record_every, self._solve = record_every, solve
         self._stopped = 0
-        self.doing = (0, "", "")
+        self._where = where or Where()
+        self.forget_end()
+
+    def forget_end(self) -> None:
+        """Nobody has asked yet to end the simulation, unless it was in initialisation."""
+        asking = next((i for i in self._instances.values() if i.wants_end), None)
+        self._ending: tuple[float, Instance | None] = (inf if asking is None else -inf, asking)
+
+    def ending(self, k: int) -> EndRequested | None:
+        """Return the wish of a component to end the simulation at point k, or before."""
+        at, instance = self._ending
+        return instance.ended() if instance is not None and k >= at else None
+
+    @property
+    def doing(self) -> Doing:
+        """Point, component and call that are going on; to be read from another thread."""
+        return self._where.now
 
     def stop(self, at_once: bool = False) -> None:
         """Let `steps` return before its next point, or before its next call; to be called from another thread."""
@@ -32,6 +51,7 @@ class PythonLoop:
 
     def propagate(self, k: int = 0, time: float = 0.0) -> None:
         """Execute the get and set calls of point k once."""
+        self._where.place.k = k
         for ring in self._rings:
             ring.arrive(k, self._plan.signals)
         with failing_at(time):
@@ -40,15 +60,14 @@ class PythonLoop:
                     continue
                 self._go_on(call.component)
                 if call.kind == "solve":
-                    self.doing = k, "", "solving an algebraic loop"
                     assert self._solve is not None
                     self._solve(call.loop)
                 else:
-                    self.doing = k, call.component, action_of(call)
                     execute(call, self._plan.signals, self._instances)
 
     def move_on(self, k: int, last: int, time: float, step: float) -> None:
         """Step all components on from point k; none beyond point `last`."""
+        self._where.place.k = k
         for ring in self._rings:
             ring.leave(k, self._plan.signals)
         with failing_at(time):
@@ -56,8 +75,9 @@ class PythonLoop:
                 every = self._plan.every.get(name, 1)
                 if k % every == 0 and k + every <= last:
                     self._go_on(name)
-                    self.doing = k, name, "doStep"
                     instance.do_step(time, every * step)
+                    if instance.wants_end and k + every < self._ending[0]:
+                        self._ending = (k + every, instance)
 
     def _go_on(self, component: str) -> None:
         if self._stopped > 1:
@@ -79,6 +99,10 @@ class PythonLoop:
                 if k % self._record_every == 0:
                     rows[written] = self._plan.signals[self._plan.row]
                     written += 1
+                    self._where.place.rows += 1
+                if (end := self.ending(k)) is not None:
+                    end.time = time
+                    raise end
                 if k < last:
                     self.move_on(k, last, time, step)
             except CallFailed as failed:

@@ -14,6 +14,7 @@ import numpy as np
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
+from orchestration.isolation.writing import replacing
 from orchestration.plots import Panel, plotly_figure
 
 ABSENT = "\N{EN DASH}"
@@ -90,8 +91,8 @@ def write(
         plotly=Markup(get_plotlyjs()),  # the library's own code, not input
     )
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(page, encoding="utf-8")
+    with replacing(path) as name:
+        name.write_text(page, encoding="utf-8")
     return path
 
 

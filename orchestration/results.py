@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.io
 
 from fmus.errors import AdcsError
 from orchestration.fmu import Port, element_names
+from orchestration.isolation.writing import replacing
 from orchestration.plan import Floats
 from orchestration.schedule import Name, split
 from orchestration.system import NUMERIC, System
@@ -40,7 +40,7 @@ class Recording:
     def _allocate(self, rows: int) -> Floats:
         try:
             return np.empty((rows, self.size))
-        except MemoryError:
+        except (MemoryError, ValueError):  # of more than can be addressed
             raise AdcsError(
                 f"{rows} rows of {self.size} values do not fit into memory: write them to a file as they come "
                 "(--format hdf5), record fewer variables, or not every step"
@@ -118,7 +118,7 @@ class Result:
         for name, port in self.ports.items():
             header += [f"{element}[{port.unit or '-'}]" for element in element_names(name, port.shape)]
         write = [float, *(_written_as(port) for port in self.ports.values() for _ in range(port.size))]
-        with written(path).open("w", encoding="utf-8", newline="\n") as file:
+        with replacing(path) as to, to.open("w", encoding="utf-8", newline="\n") as file:
             file.write(",".join(f'"{h}"' if "," in h else h for h in header) + "\n")
             for first in range(0, len(self.time), _LINES):
                 rows = self.block(first, min(first + _LINES, len(self.time)))
@@ -139,7 +139,11 @@ class Result:
             field_ = _matlab_name(variable, taken.setdefault(component, {}))
             tree.setdefault(struct, {})[field_] = self[name]
             units.setdefault(struct, {})[field_] = port.unit or ""
-        scipy.io.savemat(written(path), {**tree, "units": units}, long_field_names=True, oned_as="column")
+        import scipy.io  # here, since a run in a process of its own needs none
+
+        content = {**tree, "units": units}
+        with replacing(path if str(path).endswith(".mat") else f"{path}.mat") as to, to.open("wb") as file:
+            scipy.io.savemat(file, content, long_field_names=True, oned_as="column")
 
     def write_hdf5(self, path: str | Path) -> None:
         """Write one dataset per variable, `/plant/q_BN` (rows, *shape), with its unit and description; and `/time`."""
@@ -149,7 +153,8 @@ class Result:
 
     def write_manifest(self, path: str | Path) -> None:
         """Write all that is needed to repeat the run, as JSON."""
-        written(path).write_text(json.dumps(self.manifest, indent=2) + "\n", encoding="utf-8")
+        with replacing(path) as to:
+            to.write_text(json.dumps(self.manifest, indent=2) + "\n", encoding="utf-8")
 
     def _port(self, name: str) -> Port:
         if name not in self.ports:
@@ -197,10 +202,3 @@ def _matlab_name(name: str, taken: dict[str, str]) -> str:
         candidates = (valid, *(f"{valid}_{i}" for i in range(2, 100)))
         taken[name] = next(c for c in candidates if c not in taken.values())
     return taken[name]
-
-
-def written(path: str | Path) -> Path:
-    """Make the folder of a file that is going to be written."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    return path

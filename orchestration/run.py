@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from functools import partial
 from math import inf
 from pathlib import Path
 from typing import Any, get_args
@@ -13,15 +14,21 @@ import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration.checkpoint import Checkpoint
-from orchestration.cosim import Course, Progress, Watcher, cosimulate
+from orchestration.cosim import Course, Progress, Watcher, cosimulate, rigid
 from orchestration.coupled import CoupledModel, SolverName, couple
+from orchestration.engine import ThreadControl
 from orchestration.fmu import FmiVersion, Kind
 from orchestration.grid import Grid
 from orchestration.hdf5 import FileRecording, FileResult
 from orchestration.instance import CallFailed
+from orchestration.isolation.apart import run_apart
+from orchestration.isolation.guard import Guard
+from orchestration.isolation.journal import Journal
+from orchestration.isolation.life import watched_life
+from orchestration.isolation.where import Where
 from orchestration.live import Change, Condition, Inputs, Pace
 from orchestration.loops import LoopSolver
-from orchestration.manifest import make_manifest
+from orchestration.manifest import completed, make_manifest
 from orchestration.plan import Floats
 from orchestration.results import Recording, Result, RunFailed, RunInterrupted
 from orchestration.session import Stepping
@@ -55,8 +62,12 @@ def run(
     resume: str | Path | None = None,
     watchers: Sequence[Watcher] = (),
     progress: Progress | None = None,
+    isolated: bool = False,
+    journal: Journal | None = None,
 ) -> Result:
     """Run a system from start_time to stop_time (s) and record at t_k = start_time + k*step: N steps, N+1 rows.
+
+    If the times are no whole number of steps apart, the last step is shorter, where all components can take one.
 
     `method`: "co-simulation" exchanges values every `step`; "model-exchange" integrates all components as one ordinary
     differential equation with `solver` at `rtol`, `atol`. `fmi_version` says which file of a component known by name is
@@ -71,11 +82,16 @@ def run(
     (s) gives up a component of which one call takes longer. `adaptive` is a tolerance: between two rows 2^j exchange
     steps are taken, chosen by step doubling. `checkpoint` names a file for the state at the end, and every
     `checkpoint_every` seconds of simulated time; `resume` goes on from such a file, at whose time is the first row.
-    `watchers` are called after each point, and may ask for changes at the next.
+    `watchers` are called after each point, and may ask for changes at the next; they are in this process.
 
-    Raises AdcsError when the run cannot start, RunFailed when a component fails on the way, RunInterrupted on Ctrl-C;
-    the last two carry what was recorded as `.result`.
+    `isolated` runs the components in a process of their own: one that crashes or ends its process becomes RunFailed,
+    with the rows until then; `watchers` cannot cross to it. `journal` keeps the rows in a file, whatever comes.
+
+    A component may end the simulation: the manifest's outcome says which, when and why. Raises AdcsError when the run
+    cannot start, RunFailed when a component fails on the way, RunInterrupted on Ctrl-C; the last two carry what was
+    recorded as `.result`.
     """
+    asked = dict(locals())
     _choice("method", method, Kind)
     _choice("solver", solver, SolverName)
     _choice("stepping", stepping, Stepping)
@@ -87,7 +103,10 @@ def run(
         raise AdcsError(f"rtol = {rtol} is below what double precision can hold: use {_MIN_RTOL:.1e} or more")
     if not isinstance(record_every, int) or record_every < 1:
         raise AdcsError(f"record_every = {record_every!r}: expected a whole number of steps from 1")
-    grid = Grid.make(start_time, stop_time, step)
+    if isolated:
+        return run_apart(asked)
+    free = method == "model-exchange"
+    grid = Grid.make(start_time, stop_time, step, lambda: None if free else rigid(system, fmi_version))
     report = progress or (lambda fraction: None)
     if isinstance(solve_loops, Mapping):
         solve_loops = LoopSolver(**solve_loops)
@@ -95,14 +114,20 @@ def run(
         raise AdcsError("checkpoint_every: there is no checkpoint to be written, name its file")
     saved = None if resume is None else Checkpoint.read(Path(resume))
     first = 0 if saved is None else saved.k
-    if first > grid.steps:
+    if first > grid.full:
         raise AdcsError(f"{resume} is at t = {grid.time(first):g} s, after stop_time = {stop_time:g} s")
     for time_, name, _ in changes:
         if grid.index(time_, f"the change of {name}") < first:
             raise AdcsError(f"the change of {name} at {time_:g} s lies before the checkpoint, {grid.time(first):g} s")
-    times = grid.times[first:][-first % record_every :: record_every]
+    times = grid.rows(first, record_every)
     rows = len(times)
-    recording = Recording(system, record, rows) if hdf5 is None else FileRecording(system, record, Path(hdf5))
+    recording: Recording
+    if journal is not None:
+        recording = journal.record(system, record)
+    else:
+        recording = Recording(system, record, rows) if hdf5 is None else FileRecording(system, record, Path(hdf5))
+    where = Where() if journal is None else journal.where
+    guard = Guard(ThreadControl(), None if journal is None else journal.printed)
     course = Course(
         changes=[Change.at(grid, *change) for change in changes],
         inputs=None if inputs is None else Inputs.from_csv(system, Path(inputs)),
@@ -116,6 +141,8 @@ def run(
         checkpoint_every=checkpoint_every,
         resume=saved,
         watchers=watchers,
+        where=where,
+        guard=guard,
     )
     if adaptive is not None:
         others: dict[str, Any] = {"record_every": record_every > 1, "until": until, "real_time": real_time}
@@ -142,9 +169,15 @@ def run(
         **({"solve_loops": asdict(solve_loops)} if solve_loops is not None else {}),
     }
     manifest = make_manifest(system, fmi_version, settings)
+    if journal is not None:
+        journal.begin(system, times, manifest)
     states: Floats = np.empty((grid.steps + 1, 0))
     state_names: list[str] = []
     clock = _Clock()
+
+    def begin() -> None:
+        clock.start()
+        where.place.started = 1
 
     def result(outcome: dict[str, Any]) -> Result:
         n = recording.filled
@@ -157,19 +190,38 @@ def run(
 
     try:
         if method == "co-simulation":
-            cosimulate(system, grid, recording, fmi_version, stepping, course, report, clock.start, manifest)
+            cosimulate(system, grid, recording, fmi_version, stepping, course, report, begin, manifest)
         else:
-            with CoupledModel(
-                system, grid.start, grid.time(grid.steps), fmi_version, record, loops=solve_loops
-            ) as model:
+            make = partial(
+                CoupledModel,
+                system,
+                grid.start,
+                grid.bound,
+                fmi_version,
+                record,
+                loops=solve_loops,
+                where=where,
+                guard=guard,
+            )
+            with watched_life(make, where, timeout, manifest) as (model, watched):
                 state_names = model.state_names
                 states = np.empty((grid.steps + 1, len(state_names)))
-                clock.start()
-                couple(model, grid, recording, states, solver, rtol, atol, report)
-                manifest["warnings"] = model.warnings
-                if model.loop_reports:
-                    manifest["algebraic_loops"] = model.loop_reports
+                begin()
+                try:
+                    watched(lambda: couple(model, grid, recording, states, solver, rtol, atol, report), throw=True)
+                finally:
+                    if model.ended is not None:
+                        times[recording.filled - 1] = model.ended.time
+                        manifest["ended"] = model.ended.as_dict()
+                    if model.loop_reports:
+                        manifest["algebraic_loops"] = model.loop_reports
+                if watched.interrupted:
+                    raise KeyboardInterrupt
+        if isinstance(recording, FileRecording):
+            recording.flush()
     except CallFailed as error:
+        if error.time is None and clock.running:  # it hung in model-exchange
+            error.time = float(times[max(recording.filled - 1, 0)])
         if error.time is None:  # it failed in initialisation
             raise
         outcome = {"status": "failed", "component": error.component, "time": error.time, "message": error.text}
@@ -186,7 +238,9 @@ def run(
         raise RunFailed(f"{error}; {recording.filled} rows are kept", result(outcome)) from error
     except KeyboardInterrupt as error:
         raise RunInterrupted(result({"status": "interrupted"})) from error
-    return result({"status": "complete", **({"met": manifest.pop("stopped")} if "stopped" in manifest else {})})
+    finally:
+        guard.close()
+    return result(completed(manifest))
 
 
 def _only_in_cosimulation(course: Course, to_file: bool) -> None:

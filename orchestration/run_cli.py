@@ -9,20 +9,22 @@ from typing import Annotated, Any, Literal, get_args
 
 import typer
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, shown
 from hil_bridge import options as ground
 from hil_bridge.options import Options
 from orchestration.accuracy import Estimate, estimate_error
 from orchestration.coupled import SolverName
 from orchestration.fmu import Kind
+from orchestration.isolation import endings, supervised
 from orchestration.loops import LoopMethod, LoopSolver
 from orchestration.named import find_system
 from orchestration.results import RunFailed, RunInterrupted
 from orchestration.run import run as run_system
+from orchestration.run_files import RunFiles
 from orchestration.session import Stepping
-from orchestration.showing import REPORT_FILES, Format, as_json, exit_code, progress, show, write_files, write_report
+from orchestration.showing import Format, as_json, command_line, exit_code, progress, show, write_report
 from orchestration.system import System
-from orchestration.words import assigned, seconds
+from orchestration.words import assigned, seconds, sizes_first, whole
 
 _LARGE = 20_000_000  # values; more are written, but not read again for key numbers and report
 _NUMERICS, _DURING, _RESULTS = "How it is solved", "What happens during the run", "Results"
@@ -44,9 +46,22 @@ adcs run system.ssp --estimate-error --format hdf5
 def run(
     system: Annotated[str, typer.Argument(help="Name of a system (`adcs list`), or an .ssp or .fmu file.")],
     step: Annotated[
-        float | None, typer.Option(help="Time between two exchanges and two rows [s].", rich_help_panel=_NUMERICS)
+        float | None,
+        typer.Option(
+            help="Time between two exchanges and two rows [s]. [default: that of the system]",
+            rich_help_panel=_NUMERICS,
+        ),
     ] = None,
-    stop: Annotated[float | None, typer.Option(help="Stop time [s].", rich_help_panel=_NUMERICS)] = None,
+    start: Annotated[
+        float | None, typer.Option(help="Start time [s]. [default: that of the system]", rich_help_panel=_NUMERICS)
+    ] = None,
+    stop: Annotated[
+        float | None,
+        typer.Option(
+            help="Stop time [s]; the last step is shorter, if need be. [default: that of the system]",
+            rich_help_panel=_NUMERICS,
+        ),
+    ] = None,
     set_: Annotated[
         list[str] | None,
         typer.Option(
@@ -95,7 +110,8 @@ def run(
         float | None,
         typer.Option(
             metavar="TOLERANCE",
-            help="Choose exchange steps of --step/2^j so that halving them changes no output by more.",
+            help="Choose exchange steps of --step/2^j so that halving them changes no output by more than "
+            "TOLERANCE * (1 + its size).",
             rich_help_panel=_NUMERICS,
         ),
     ] = None,
@@ -199,8 +215,8 @@ def run(
         typer.Option(
             "--format",
             metavar="[csv|mat|hdf5]",
-            help="Kind of result file; may be repeated. With hdf5 rows go to the file as they come, and a run may be "
-            "larger than memory. [default: csv, mat]",
+            help="Kind of result file; may be repeated. With hdf5 alone a run may be larger than memory. "
+            "[default: csv, mat]",
             rich_help_panel=_RESULTS,
         ),
     ] = None,
@@ -213,11 +229,19 @@ def run(
     json: Annotated[
         bool, typer.Option("--json", help="Print key numbers, outcome and files as JSON.", rich_help_panel=_RESULTS)
     ] = False,
+    in_process: Annotated[
+        bool,
+        typer.Option(
+            "--in-process",
+            help="Do without a process of its own for the run, as for a debugger.",
+            rich_help_panel=_DURING,
+        ),
+    ] = False,
 ) -> None:
     """Run a system: write the result, manifest.json, report.html, report.png, and print the key numbers."""
     entry = find_system(system)
     built = entry.build()
-    for assignment in set_ or []:
+    for assignment in sizes_first(built, set_ or []):
         built.set(*assigned(built, assignment))
     for assignment in every or []:
         _every(built, assignment)
@@ -225,16 +249,18 @@ def run(
         _delay(built, assignment)
     changes = [_change(built, text) for text in at or []]
     formats = _formats(format_)
-    folder = out or Path("results") / entry.name
+    given = out or Path("results") / entry.name
+    folder = given.absolute()  # a component may change the working directory
     folder.mkdir(parents=True, exist_ok=True)  # refused now, rather than after the run
     no_report = no_report or (record is not None and formats == ["hdf5"])  # whose file holds what is recorded
     if estimate and method != "co-simulation":
         raise AdcsError("--estimate-error is a matter of co-simulation: model-exchange has no exchange step")
     if checkpoint is not None:
-        checkpoint.absolute().parent.mkdir(parents=True, exist_ok=True)  # refused now, rather than after the run
+        checkpoint = checkpoint.absolute()
+        checkpoint.parent.mkdir(parents=True, exist_ok=True)  # refused now, rather than after the run
     wanted = record if no_report else _with_outputs(built, record)  # the report needs more than what is written
     settings: dict[str, Any] = {
-        "start_time": entry.start_time,
+        "start_time": entry.start_time if start is None else start,
         "stop_time": entry.stop_time if stop is None else stop,
         "step": entry.step if step is None else step,
         "method": method,
@@ -252,10 +278,9 @@ def run(
         "checkpoint_every": checkpoint_every,
         "resume": resume,
         "record_every": record_every,
-        "hdf5": folder / "result.h5" if formats == ["hdf5"] else None,
     }
-    if settings["stop_time"] == entry.start_time:
-        raise AdcsError(f"stop = {entry.start_time:g} s is the start time: give a later one")
+    if settings["stop_time"] == settings["start_time"]:
+        raise AdcsError(f"stop = {settings['start_time']:g} s is the start time: give a later one")
     if settings["step"] > 0:
         entry.check_step(settings["step"])
     errors: Estimate | None = None
@@ -265,16 +290,27 @@ def run(
             raise AdcsError("--estimate-error repeats the run, which --mavlink and --tlog would show: leave one out")
         if mavlink and real_time is None:
             settings["real_time"] = 1.0
-        options = Options(to or (), allow, frame, maps=map_ or (), tlog=tlog, network=mavlink)
-        pace = {"step": settings["step"], "start": entry.start_time, "speed": settings["real_time"] or 1.0}
+        log = None if tlog is None else tlog.absolute()
+        options = Options(to or (), allow, frame, maps=map_ or (), tlog=log, network=mavlink)
+        pace = {"step": settings["step"], "start": settings["start_time"], "speed": settings["real_time"] or 1.0}
         attached = watcher = ground.attached(built, options, **pace)
         settings["watchers"] = [watcher]
         wanted = _with_outputs(built, wanted)
     elif to or allow or map_:
         raise AdcsError("--to, --allow and --map are for ground tools: add --mavlink")
-    with attached, progress() as bar:
-        for name in REPORT_FILES:  # those of an earlier run would not belong to the other files
-            (folder / name).unlink(missing_ok=True)
+    about = {
+        "system": _as_argument(system),
+        "folder": str(given),
+        "record": record,
+        "report": not no_report,
+        "json": json,
+    }
+    with (
+        endings.heard(),
+        RunFiles(folder, formats, {**about, "command": command_line()}, timeout, supervised.printed) as run_files,
+        attached,
+        progress() as bar,
+    ):
         task = bar.add_task(entry.name, total=1.0)
         stopped: RunFailed | RunInterrupted | None = None
 
@@ -282,12 +318,12 @@ def run(
             bar.update(task, completed=part)
 
         try:
-            result = run_system(built, **settings, record=wanted, progress=update)
+            result = run_system(built, **settings, record=wanted, progress=update, journal=run_files.journal)
         except (RunFailed, RunInterrupted) as error:
             stopped, result = error, error.result
         bar.update(task, completed=1.0, description="writing the results")
-        written = result if record is None else result.select(record)
-        files = write_files(written, folder, formats)
+        written = result if record in (None, result.names) else result.select(record)
+        files = run_files.write(written, stopped is not None)
         if estimate and stopped is None:
             bar.update(task, completed=0.0, description="estimating the error")
             errors = estimate_error(result, run_system, update)
@@ -298,12 +334,18 @@ def run(
         numbers = list(entry.key_numbers(result)) if whole and not stopped else []
         if not (stopped or no_report or large):
             files += write_report(entry, result, numbers, errors, folder)
+    files = [given / file.name for file in files]
     if json:
         typer.echo(as_json(result, numbers, files))
     else:
         show(result, numbers, errors, files)
     if stopped is not None:
         raise typer.Exit(exit_code(stopped))
+
+
+def _as_argument(system: str) -> str:
+    """The name of a system, or the path of its file from anywhere."""
+    return str(Path(system).absolute()) if Path(system).suffix in (".ssp", ".fmu") else system
 
 
 def _formats(wanted: Sequence[str] | None) -> list[Format]:
@@ -317,7 +359,7 @@ def _formats(wanted: Sequence[str] | None) -> list[Format]:
 def _change(system: System, text: str) -> tuple[float, str, Any]:
     time, blank, assignment = text.strip().partition(" ")
     if not blank:
-        raise AdcsError(f"--at {text}: expected TIME COMPONENT.VARIABLE=VALUE, as in --at 120s controller.k_p=2")
+        raise AdcsError(f"--at {shown(text)}: expected TIME COMPONENT.VARIABLE=VALUE, as in --at 120s controller.k_p=2")
     return seconds(time, "--at"), *assigned(system, assignment.strip(), "--at")
 
 
@@ -337,17 +379,20 @@ def at_in_one(arguments: Sequence[str]) -> list[str]:
 
 def _every(system: System, assignment: str) -> None:
     name, _, text = assignment.partition("=")
-    if name not in system.components or not text.isdecimal() or int(text) < 1:
-        raise AdcsError(f"--every {assignment}: expected COMPONENT=N, one of {', '.join(system.components)}, N from 1")
-    system.components[name].every = int(text)
+    number = whole(text)
+    if name not in system.components or not number:
+        raise AdcsError(
+            f"--every {shown(assignment)}: expected COMPONENT=N, one of {', '.join(system.components)}, N from 1"
+        )
+    system.components[name].every = number
 
 
 def _delay(system: System, assignment: str) -> None:
     name, _, text = assignment.partition("=")
-    if text.isdecimal():
-        system.delay(name, steps=int(text))
+    if (number := whole(text)) is not None:
+        system.delay(name, steps=number)
     else:
-        system.delay(name, seconds=seconds(text, f"--delay {name}"))
+        system.delay(name, seconds=seconds(text, f"--delay {shown(name)}"))
 
 
 def _with_outputs(system: System, record: Sequence[str] | None) -> list[str] | None:

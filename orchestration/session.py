@@ -13,7 +13,11 @@ import numpy as np
 from fmus.errors import AdcsError
 from orchestration.engine import Engine
 from orchestration.fmu import FmiVersion, Port
-from orchestration.instance import Instance, failing_at
+from orchestration.grid import Grid, whole_steps
+from orchestration.instance import CallFailed, EndRequested, Instance, failing_at
+from orchestration.isolation.guard import Guard
+from orchestration.isolation.overstepping import overstepped
+from orchestration.isolation.where import Where
 from orchestration.loops import Loops, LoopSolver
 from orchestration.opening import initialised
 from orchestration.plan import Floats, make_plan
@@ -47,6 +51,9 @@ class CoSimulation:
 
     What is set after a point acts from there on: an input over the following step, and all that depends on it in other
     components from the next point.
+
+    The components live in this process: one that crashes takes it along. `run(..., isolated=True)` has them in one of
+    their own.
     """
 
     def __init__(
@@ -56,6 +63,7 @@ class CoSimulation:
         step: float,
         start_time: float = 0.0,
         steps: int = ENDLESS,
+        stop_time: float | None = None,
         fmi_version: FmiVersion = "2.0",
         stepping: Stepping = "compiled",
         record: Sequence[str] | None = None,
@@ -63,19 +71,34 @@ class CoSimulation:
         external: Sequence[str] = (),
         may_go_on: bool = False,
         solver: LoopSolver | None = None,
+        where: Where | None = None,
+        guard: Guard | None = None,
     ) -> None:
         """`record` names the variables of a row (None: all outputs); `external` inputs whose values come with steps.
 
-        The FMUs are told the stop time, unless it `may_go_on` after it.
+        `stop_time` is the time of the last point, if the step to it is shorter than the others. The FMUs are told a
+        stop time that is beyond it by roundings, unless it `may_go_on` after it.
         """
         if not (isfinite(step) and step > 0 and isfinite(start_time)):
             raise AdcsError(f"step = {step} s, start_time = {start_time} s: expected finite times, the step positive")
+        self.grid = Grid(start_time, step, steps, stop_time)
         self.system, self.start, self.step, self.last = system, start_time, step, steps
         self.recording = Recording(system, record)
-        stop_time = inf if may_go_on or steps == ENDLESS else start_time + steps * step
+        self.ended: EndRequested | None = None
+        """The wish of a component to end the simulation, once it has come about: nothing comes after that."""
+        self._shortened = False
+        bound = inf if may_go_on or steps == ENDLESS else self.grid.bound
         with ExitStack() as stack:
             opened = initialised(
-                system, "co-simulation", start_time, stop_time, fmi_version, external=external, solver=solver
+                system,
+                "co-simulation",
+                start_time,
+                bound,
+                fmi_version,
+                external=external,
+                solver=solver,
+                where=where,
+                guard=guard,
             )
             self.instances: dict[str, Instance] = stack.enter_context(opened)
             components = system.components.values()
@@ -98,7 +121,9 @@ class CoSimulation:
                 rings=self.rings,
                 record_every=record_every,
                 solve=self._loops.solve,
+                where=where,
             )
+            self._guard = guard
             self.k = 0
             self._stack = stack.pop_all()
 
@@ -113,14 +138,17 @@ class CoSimulation:
         while True:
             self.propagate()
             yield self.time, self.values
-            if self.k >= self.last:
+            if self.k >= self.last or self.ended is not None:
                 return
-            self.move_on()
+            try:
+                self.move_on()
+            except EndRequested:
+                return
 
     @property
     def time(self) -> float:
         """The time of the present point [s]."""
-        return self.start + self.k * self.step
+        return self.grid.time(self.k)
 
     @property
     def values(self) -> dict[str, Floats]:
@@ -144,8 +172,14 @@ class CoSimulation:
 
     @property
     def warnings(self) -> list[str]:
-        """What the FMUs warned of."""
-        return [f"{i.name}: {text}" for i in self.instances.values() for text in i.warnings]
+        """What the FMUs warned of, and what they changed that was not theirs."""
+        told = [f"{i.name}: {text}" for i in self.instances.values() for text in i.warnings]
+        return told + overstepped(self.instances, self._guard, [self.loop])
+
+    def check(self) -> None:
+        """Look at what components may have changed of the process, if one was not built here."""
+        if self._guard is not None and not all(i.ours for i in self.instances.values()):
+            self._guard.check()
 
     @property
     def loop_reports(self) -> list[dict[str, Any]]:
@@ -158,13 +192,67 @@ class CoSimulation:
         return self._plan.n_external
 
     def propagate(self) -> None:
-        """Fetch all outputs and hand them on, at the present point."""
-        self.loop.propagate(self.k, self.time)
+        """Fetch all outputs and hand them on, at the present point; see whether a component ends the simulation."""
+        if self.k > self.grid.full:
+            self._propagate_off_grid()
+        else:
+            self.loop.propagate(self.k, self.time)
+        self._see_end()
 
     def move_on(self) -> None:
-        """Step all components to the next point."""
-        self.loop.move_on(self.k, self.last, self.time, self.step)
-        self.k += 1
+        """Step all components to the next point. EndRequested if a component ends the simulation on the way."""
+        try:
+            if self.k == self.grid.full and self.grid.shorter:
+                self.shorter_step()
+            else:
+                self.loop.move_on(self.k, self.grid.full, self.time, self.step)
+                self.k += 1
+        except EndRequested as end:
+            self.ended = end
+            raise
+
+    def advance(self, count: int, external: Floats | None, rows: Floats) -> tuple[int, int, CallFailed | None]:
+        """Take `count` points from the present one on, recorded in `rows`, as the loop's `steps`.
+
+        The last point, if the step to it is shorter, is for a call of its own, after `shorter_step`.
+        """
+        if self.k <= self.grid.full:
+            return self.loop.steps(self.start, self.step, self.k, count, self.grid.full, external, rows)
+        if external is not None:
+            self.signals[: self.n_external] = external[0]
+        try:
+            with failing_at(self.time):
+                self._propagate_off_grid()
+        except CallFailed as failed:
+            return self.k, 0, failed
+        rows[0] = self.row
+        self._see_end()
+        return self.k + 1, 1, self.ended
+
+    def shorter_step(self) -> None:
+        """From the last point of the grid, step to the end those components that communicate at every point."""
+        full, held = self.grid.full, [self.signals[ring.delay.target].copy() for ring in self.rings]
+        with failing_at(self.grid.time(full)):
+            self.loop.move_on(full, full + 1, self.grid.time(full), self.grid.shorter)
+        # what is delayed arrives at points of the grid only, and until then what arrived last holds
+        for ring, values in zip(self.rings, held, strict=True):
+            ring.values[:] = values
+        self.k, self._shortened = self.last, True
+
+    @property
+    def shorter_due(self) -> bool:
+        """Whether the point that comes next is the last one, and the shorter step to it has not been taken."""
+        return self.k > self.grid.full and self.k == self.last and not self._shortened
+
+    def _propagate_off_grid(self) -> None:
+        """Propagate at the end of a shorter step, where components that communicate at some points only do not."""
+        self.loop.propagate(1, self.time)
+
+    def _see_end(self) -> None:
+        end = self.loop.ending(self.k)
+        if end is not None and self.ended is None:
+            end.time = self.time
+            self.ended = end
 
     def set(self, name: str, value: Value) -> None:
         """Set an input that nothing feeds, or a tunable parameter, at the present point."""
@@ -202,7 +290,10 @@ class CoSimulation:
 
     def restore(self, snapshot: Snapshot) -> None:
         """Go back to a snapshot."""
-        self.k = snapshot.k
+        self.k, self.ended, self._shortened = snapshot.k, None, False
+        for instance in self.instances.values():
+            instance.wants_end = False
+        self.loop.forget_end()
         self._plan.signals[:] = snapshot.signals
         for ring, values in zip(self.rings, snapshot.rings, strict=True):
             ring.values[:] = values
@@ -219,11 +310,5 @@ def _in_steps(connection: Connection, step: float) -> Connection:
     """The connection with its delay in steps."""
     if not connection.delay:
         return connection
-    ratio = connection.delay / step
-    steps = round(ratio)
-    if not isfinite(ratio) or steps < 1 or abs(ratio - steps) > 1e-9 * ratio:
-        raise AdcsError(
-            f"the delay of {connection.target}, {connection.delay:g} s, is not a whole number of exchange steps of "
-            f"{step:g} s: use {max(1, int(ratio)) * step:.12g} or {(int(ratio) + 1) * step:.12g} s, or another step"
-        )
+    steps = whole_steps(connection.delay, step, f"the delay of {connection.target}", none=True)
     return replace(connection, delay_steps=steps, delay=0.0)

@@ -17,6 +17,7 @@ from rich.table import Table
 
 from orchestration import plots, report
 from orchestration.accuracy import Estimate
+from orchestration.isolation import endings
 from orchestration.results import Result, RunFailed, RunInterrupted
 from studies.registry import SystemEntry
 
@@ -33,7 +34,7 @@ def progress() -> Progress:
 
 
 def write_files(result: Result, folder: Path, formats: Sequence[Format]) -> list[Path]:
-    """Write the result in these formats, and the manifest; `hdf5` alone was written as the rows came."""
+    """Write the result in these formats, and the manifest."""
     made = []
     if "csv" in formats:
         result.write_csv(folder / "result.csv")
@@ -42,11 +43,15 @@ def write_files(result: Result, folder: Path, formats: Sequence[Format]) -> list
         result.write_mat(folder / "result.mat")
         made.append(folder / "result.mat")
     if "hdf5" in formats:
-        if len(formats) > 1:  # else it is there already
-            result.write_hdf5(folder / "result.h5")
+        result.write_hdf5(folder / "result.h5")
         made.append(folder / "result.h5")
     result.write_manifest(folder / "manifest.json")
     return [*made, folder / "manifest.json"]
+
+
+def command_line() -> str:
+    """The command as it was given."""
+    return shlex.join(["adcs", *sys.argv[1:]])
 
 
 def write_report(
@@ -55,8 +60,9 @@ def write_report(
     numbers: Sequence[report.KeyNumber],
     errors: Estimate | None,
     folder: Path,
+    command: str | None = None,
 ) -> list[Path]:
-    """Write report.html and report.png."""
+    """Write report.html and report.png; `command` is what made the run, this command line by default."""
     panels = entry.figures(result)
     files = [folder / name for name in REPORT_FILES]
     report.write(
@@ -67,7 +73,7 @@ def write_report(
         [] if errors is None else [_error_table(errors)],
         manifest={key: value for key, value in result.manifest.items() if key != "error_estimate"},
         key_numbers=numbers,
-        command=shlex.join(["adcs", *sys.argv[1:]]),
+        command=command or command_line(),
     )
     plots.write_png(files[1], panels, entry.name)
     return files
@@ -81,7 +87,16 @@ def _error_table(errors: Estimate) -> report.Table:
 
 def as_json(result: Result, numbers: Sequence[report.KeyNumber], files: Sequence[Path]) -> str:
     """Return key numbers, outcome and files for a program."""
-    optional = ("real_time", "algebraic_loops", "adaptive", "error_estimate", "commands", "mavlink", "tlog")
+    optional = (
+        "real_time",
+        "algebraic_loops",
+        "adaptive",
+        "error_estimate",
+        "commands",
+        "mavlink",
+        "tlog",
+        "tlog_incomplete",
+    )
     content: dict[str, Any] = {
         "system": result.system.name,
         "outcome": result.manifest["outcome"],
@@ -126,6 +141,7 @@ def _lines(result: Result) -> list[str]:
     """What else there is to say about a run, a line each."""
     manifest = result.manifest
     lines = []
+    lines += [f"warning: {text}" for text in manifest.get("warnings", [])]
     timing = manifest["timing"]
     if timing.get("simulated_s_per_cpu_s"):
         lines.append(
@@ -134,6 +150,8 @@ def _lines(result: Result) -> list[str]:
         )
     if met := manifest["outcome"].get("met"):
         lines.append(f"ended at t = {met['time']:.9g} s, where {met['condition']}")
+    if ended := manifest["outcome"].get("ended"):
+        lines.append(f"ended at t = {ended['time']:.9g} s by {ended['component']}: {ended['message']}")
     if pace := manifest.get("real_time"):
         lines.append(
             f"paced at {pace['speed']:g} times real time: late by {1e3 * pace['late_median_s']:.3g} ms in the median, "
@@ -160,4 +178,4 @@ def _lines(result: Result) -> list[str]:
 def exit_code(stopped: RunFailed | RunInterrupted) -> int:
     """Say why a run stopped; return what the command ends with."""
     print(f"adcs: {stopped}", file=sys.stderr)
-    return 1 if isinstance(stopped, RunFailed) else 130
+    return 1 if isinstance(stopped, RunFailed) else 128 + endings.last

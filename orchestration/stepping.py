@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from fmpy.fmi1 import FMICallException
 
 from orchestration.events import Events
+from orchestration.grid import SNAP
 
 if TYPE_CHECKING:
     from orchestration.instance import Instance
@@ -20,7 +21,7 @@ DISCARD, PENDING = 2, 5
 _DO_STEP_STATUS = 0  # fmi2DoStepStatus
 _MAX_HALVINGS = 12
 _MAX_STANDING = 100  # returns in a row that do not get on
-_SNAP = 1e-9  # of a step: closer times are the same
+_MAX_PIECES = 1_000_000  # of one communication step
 _PATIENCE = 2e-4  # s, between two looks at an asynchronous step
 
 
@@ -51,21 +52,28 @@ class Stepper:
             do_step, get_state = functions["fmi3DoStep"], functions["fmi3GetFMUState"]
             self._event, self._terminate, self._early, self._last = c_bool(), c_bool(), c_bool(), c_double()
             results = [byref(r) for r in (self._event, self._terminate, self._early, self._last)]
-            self._call = lambda t, h: do_step(component, t, h, keeps, *results)
+
+            def call(t: float, h: float) -> int:
+                self._last.value = t + h  # which not all FMUs set
+                return int(do_step(component, t, h, keeps, *results))
+
+            self._call = call
         before = byref(self._before)
         self._get_state: Callable[[], int] = lambda: get_state(component, before)
 
     def step(self, time: float, step: float) -> None:
         """Step from a communication point to the next, through whatever happens in between."""
-        end, resolution = time + step, _SNAP * step
+        end, resolution = time + step, SNAP * step
         if self._events is not None:
             self._events.depart(time, resolution)
-        now, standing = time, 0
+            end = self._event_at(end, resolution)
+        now, standing, pieces = time, 0, 0
         while True:
             target = self._target(now, end, resolution)
-            event, early, last = self._take(now, step if (now, target) == (time, end) else _step(now, target))
-            reached = min(last, target) if early else target
-            standing = standing + 1 if reached <= now else 0
+            length = step if (now, target) == (time, time + step) else _step(now, target)
+            event, early, last = self._take(now, length)
+            reached = self._reached(now, target, resolution, last) if early else target
+            standing, pieces = standing + 1 if reached <= now else 0, pieces + 1
             if standing == _MAX_STANDING:
                 raise self._instance.wrong(
                     f"doStep does not get beyond t = {now:.9g} s: it returned early {standing} times"
@@ -73,10 +81,33 @@ class Stepper:
             now = reached
             if end - now <= resolution:
                 break
+            if self._instance.wants_end:
+                raise self._instance.ended(now)
+            if pieces == _MAX_PIECES:
+                raise self._instance.wrong(
+                    f"{pieces} events, ticks or early returns bring it from t = {time:.9g} only to {now:.9g} s, and "
+                    f"{pieces * step / max(now - time, 1e-300):.3g} would be needed for a communication step: take "
+                    "smaller ones"
+                )
             if self._events is not None:
                 self._events.inside(now, resolution, needed=event)
-        if self._events is not None:
+        if self._events is not None and not self._instance.wants_end:
             self._events.arrive(end, resolution, needed=event)
+
+    def _event_at(self, end: float, resolution: float) -> float:
+        """Return the end of a step, moved by roundings to a time event there, which the FMU would not find due else."""
+        assert self._events is not None
+        at_end = end < self._events.next_event <= end + resolution and self._instance.can_vary_step
+        return self._events.next_event if at_end else end
+
+    def _reached(self, now: float, target: float, resolution: float, last: float) -> float:
+        """Return the time at which a step has returned early; refuse one outside of the step."""
+        if not now - resolution <= last <= target + resolution:
+            raise self._instance.wrong(
+                f"doStep returned early at t = {last!r} s, which is not within its step from {now:.9g} to {target:.9g} "
+                "s: the FMU must give its lastSuccessfulTime"
+            )
+        return min(max(last, now), target)
 
     def _target(self, now: float, end: float, resolution: float) -> float:
         """Return where the next step ends: at the first tick or time event, if it comes before the end."""
@@ -107,8 +138,8 @@ class Stepper:
         self._instance.call("restoring a state", "setFMUState", self._before)
         half = step / 2
         event, early, last = self._take(time, half, halvings + 1)
-        if event or early:
-            return event, True, last
+        if event or early or self._instance.wants_end:
+            return event, True, last if early else time + half
         return self._take(time + half, step - half, halvings + 1)
 
     def _warn(self, time: float) -> None:
@@ -124,19 +155,20 @@ class Stepper:
 
     def _do_step(self, time: float, step: float) -> tuple[bool, bool, float]:
         instance = self._instance
+        instance.begins("doStep")
         status = self._call(time, step)
         if status == PENDING and instance.asynchronous:
             status = self._wait()
         if status == DISCARD and self._retries:
             if instance.terminated:
-                raise instance.ended()
+                raise instance.failure("doStep", status)  # which is its wish to end
             raise _Discarded
         if status not in (0, 1):
             raise instance.failure("doStep", status)
         if instance.major == 2:
             return False, False, time + step
         if self._terminate.value:
-            raise instance.ended()
+            instance.end_at(time, step, early=self._early.value, last=self._last.value)
         return self._event.value, self._early.value, self._last.value
 
     def _wait(self) -> int:
@@ -150,6 +182,7 @@ class Stepper:
         return int(status)
 
     def _save(self) -> None:
+        self._instance.begins("saving the state")
         status = self._get_state()
         if status not in (0, 1):
             raise self._instance.failure("saving the state", status)

@@ -13,6 +13,7 @@ import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration.fmu import FmiVersion, Fmu, Port, locate, open_fmu
+from orchestration.seeds import default_seed, seeds_of
 from orchestration.typed_values import binary_values, item_numbers
 from orchestration.units import Scale, conversion
 
@@ -26,7 +27,7 @@ NUMERIC = ("Float", "Int", "UInt", "Boolean")
 
 @dataclass
 class Component:
-    """A named FMU with the start values that were set explicitly (flat, row-major).
+    """A named FMU with the start values that it was given (flat, row-major).
 
     It communicates at every `every`-th exchange step, and its outputs hold in between.
     """
@@ -129,6 +130,10 @@ class System:
         `fmu` is a name in `fmus/dist` or the path of any `.fmu`. `start` maps variables (parameters, inputs, states and
         outputs with a start value) to values of the variable's shape, in the variable's unit. The component
         communicates at every `every`-th exchange step. `/` in a name separates the names of nested systems.
+
+        A seed (an integer of the declared type `adcs.Seed`) that `start` does not give gets one that follows from the
+        component's name, so that no two sensors have the same noise unasked. It is a start value like any other: `set`
+        replaces it, and it is exported. Systems with the same names have the same seeds, and so the same noise.
         """
         if not all(name.split("/")) or "." in name or not name.isprintable():
             raise AdcsError(f"component name {name!r} is not usable: give a name without dots")
@@ -144,19 +149,57 @@ class System:
         component.fmu = component.fmu.configured(component.start)
         values = {variable: _start(name, component.fmu, variable, value) for variable, value in given.items()}
         component.start.update(values)
+        for port in seeds_of(component.fmu.ports.values()):
+            component.start.setdefault(port.name, default_seed(name, port))
         self.components[name] = component
 
     def set(self, name: str, value: Value) -> None:
-        """Set one start value, `component.variable`; replaces one given before."""
+        """Set one start value, `component.variable`; replaces one given before.
+
+        A structural parameter gives arrays their size: start values of theirs that were not given here follow it.
+        """
         component, port = self.port(name)
         if _structural(port):
-            raise AdcsError(f"{name} says how long arrays are: give it when the component is added")
+            self._resize(component, port, value)
+            return
         for connected in self._into(component, port):
             if not connected.delayed:
                 raise AdcsError(f"{name} is connected to {connected.source}: a start value would have no effect")
         self.components[component].start[port.name] = _start(
             component, self.components[component].fmu, port.name, value
         )
+
+    def _resize(self, name: str, parameter: Port, value: Value) -> None:
+        """Set a structural parameter; refuse what makes given start values or connections not fit any more."""
+        component = self.components[name]
+        old, plain = component.fmu, open_fmu(component.fmu.path)
+        start = {**component.start, parameter.name: _start(name, plain, parameter.name, value)}
+        new = plain.configured({n: v for n, v in start.items() if _structural(plain.ports[n])})
+        reason = f"{name}.{parameter.name} = {start[parameter.name][0]}"
+        for variable, values in component.start.items():
+            if new.ports[variable].shape == old.ports[variable].shape:
+                continue
+            default = old.ports[variable].start
+            if values != default and (default is not None or any(values)):
+                raise AdcsError(
+                    f"{reason}: {name}.{variable} was given {_size(old.ports[variable].shape)} and has "
+                    f"{_size(new.ports[variable].shape)} then: set {parameter.name} first"
+                )
+            follows = new.ports[variable].start
+            if default is None:
+                follows = values[:1] * new.ports[variable].size
+            if follows is None:
+                del start[variable]
+            else:
+                start[variable] = follows
+        for connection in self._connections:
+            for end in (self.end(connection.source), self.end(connection.target)):
+                if end.component == name and new.ports[end.port.name].shape != end.port.shape:
+                    raise AdcsError(
+                        f"{reason}: {name}.{end.port.name} is connected ({connection.source} to {connection.target}) "
+                        f"and has {_size(new.ports[end.port.name].shape)} then: set {parameter.name} before"
+                    )
+        component.start, component.fmu = start, new
 
     def connect(
         self,
@@ -304,9 +347,10 @@ class System:
         return self._incoming.get((component, port.name), [])
 
     def _scale(self, link: str, output: End, input_: End) -> Scale:
-        fmus = (self.components[end.component].fmu for end in (output, input_))
+        here, there = (self.components[end.component].fmu for end in (output, input_))
+        relative = output.port.relative, input_.port.relative
         try:
-            return conversion(next(fmus), output.port.unit, next(fmus), input_.port.unit)
+            return conversion(here, output.port.unit, there, input_.port.unit, relative)
         except AdcsError as error:
             raise AdcsError(f"{link}{error}") from None
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, shown
 from orchestration.fmu import Fmu, Port
 
 
@@ -28,9 +28,16 @@ def parse_value(fmu: Fmu, port: Port, text: str) -> Any:
             break
     if not _is_json(words):
         known = f", in {' or '.join(units)}" if units else ""
-        raise AdcsError(f"{port.name} = {text!r} cannot be read: write a number, or 1,2,3, or [[1,2],[3,4]]{known}")
+        raise AdcsError(
+            f"{port.name} = {shown(repr(text))} cannot be read: write a number, or 1,2,3, or [[1,2],[3,4]]{known}"
+        )
     value = json.loads(words) if _is_json(words, bare=True) else json.loads(f"[{words}]")
-    return value if (factor, offset) == (1.0, 0.0) else (np.asarray(value) - offset) / factor
+    if (factor, offset) == (1.0, 0.0):
+        return value
+    try:
+        return (np.asarray(value, float) - offset) / factor
+    except (ValueError, TypeError, OverflowError):  # rows of different lengths, or no numbers
+        raise AdcsError(f"{port.name} = {shown(repr(text))}: expected numbers before {unit!r}") from None
 
 
 def _units(fmu: Fmu, port: Port) -> dict[str, tuple[float, float]]:
@@ -38,12 +45,12 @@ def _units(fmu: Fmu, port: Port) -> dict[str, tuple[float, float]]:
     if port.unit is None:
         return {}
     displays = [d for u in fmu.model.unitDefinitions if u.name == port.unit for d in u.displayUnits]
-    return {port.unit: (1.0, 0.0), **{d.name: (d.factor, d.offset) for d in displays}}
+    return {port.unit: (1.0, 0.0), **{d.name: (d.factor, 0.0 if port.relative else d.offset) for d in displays}}
 
 
 def _is_json(text: str, bare: bool = False) -> bool:
     try:
         json.loads(text if bare else f"[{text}]")
-    except ValueError:
+    except (ValueError, RecursionError):  # no JSON, or brackets without end
         return False
     return bool(text.strip())

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable
 from contextlib import suppress
+from math import inf
 from threading import Event, Thread
 from time import monotonic
 from typing import Any, TypeVar
@@ -15,7 +17,7 @@ _GRACE = 5.0  # s, for work that was told to stop
 
 
 class Hung(Exception):
-    """Nothing changed for too long; `doing` says what was going on."""
+    """Nothing changed for too long; `doing` says what was going on, first the point, the component and the action."""
 
     def __init__(self, doing: Any) -> None:
         super().__init__(doing)
@@ -26,23 +28,28 @@ class Watched:
     """Does work in a thread of its own, one piece after the other.
 
     KeyboardInterrupt is raised only when the piece that was going on has been stopped by `stop`; Hung when `doing`
-    stayed the same for `timeout` seconds. After Hung the thread is given up, and nothing it works on may be used.
+    stayed the same for `timeout` seconds, unless that is nothing: its second and third item are empty. After Hung the
+    thread is given up, and nothing it works on may be used: `lost` is True.
     """
 
-    def __init__(self, doing: Callable[[], Any], stop: Callable[[], None], timeout: float) -> None:
-        self._doing, self._stop, self._timeout = doing, stop, timeout
+    def __init__(self, doing: Callable[[], Any], stop: Callable[[], None] = lambda: None, timeout: float = inf) -> None:
+        self.stop = stop
+        self._doing, self._timeout = doing, timeout
         self._wanted, self._done = Event(), Event()
         self._work: Callable[[], Any] | None = None
         self._answer: Any = None
         self._error: BaseException | None = None
-        self.interrupted = False
+        self.interrupted = self.lost = False
         self._thread = Thread(target=self._serve, daemon=True, name="co-simulation")  # one that hangs must not hold us
         self._thread.start()
 
-    def __call__(self, work: Callable[[], Answer], doing: Callable[[], Any] | None = None) -> Answer:
+    def __call__(
+        self, work: Callable[[], Answer], doing: Callable[[], Any] | None = None, *, throw: bool = False
+    ) -> Answer:
         """Do a piece of work and return its answer; after an interrupt `interrupted` is True.
 
-        `doing` says what is going on, where it is not what is watched usually.
+        `doing` says what is going on, where it is not what is watched usually. With `throw` an interrupt is raised
+        within the work, which is pure Python, instead of `stop` being called.
         """
         doing = doing or self._doing
         self._work, self._error = work, None
@@ -54,13 +61,17 @@ class Watched:
             with suppress(KeyboardInterrupt):
                 if self._done.wait(_LOOK):
                     break
-                if (now := doing()) != seen:
+                if (now := doing()) != seen or not any(now[1:3]):
                     seen, since = now, monotonic()
                 elif monotonic() - since > patience:
+                    self.lost = True
                     raise Hung(seen)
                 continue
             self.interrupted = True
-            self._stop()
+            if throw:
+                self._throw()
+            else:
+                self.stop()
             patience, since = min(patience, _GRACE), monotonic()
         if self._error is not None:
             raise self._error
@@ -72,14 +83,22 @@ class Watched:
         self._work = None
         self._wanted.set()
 
+    def _throw(self) -> None:
+        """Raise KeyboardInterrupt in the thread, as the system does in the main one."""
+        identity = ctypes.c_ulong(self._thread.ident or 0)
+        ctypes.pythonapi.PyThreadState_SetAsyncExc(identity, ctypes.py_object(KeyboardInterrupt))
+
     def _serve(self) -> None:
         while True:
-            self._wanted.wait()
-            self._wanted.clear()
-            if self._work is None:
-                return
-            try:
-                self._answer = self._work()
-            except BaseException as error:
-                self._error = error
+            with suppress(KeyboardInterrupt):  # one that came too late for its work
+                self._wanted.wait()
+                self._wanted.clear()
+                if self._work is None:
+                    return
+                try:
+                    self._answer = self._work()
+                except BaseException as error:
+                    self._error = error
+                self._done.set()
+                continue
             self._done.set()

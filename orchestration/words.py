@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from math import isfinite
 from typing import Any
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, shown
 from orchestration.system import System
 from orchestration.values import parse_value
 
@@ -17,10 +19,23 @@ def assigned(system: System, assignment: str, option: str = "--set", alone: str 
     """
     name, equals, text = assignment.partition("=")
     if not equals:
-        raise AdcsError(f"{option} {assignment}: expected COMPONENT.VARIABLE=VALUE")
+        raise AdcsError(f"{option} {shown(assignment)}: expected COMPONENT.VARIABLE=VALUE")
     name = full_name(name.strip(), alone)
     component, port = system.port(name)
     return name, parse_value(system.components[component].fmu, port, text)
+
+
+def sizes_first(system: System, assignments: Sequence[str], alone: str | None = None) -> list[str]:
+    """Return assignments in the order in which they can be made: structural parameters say what size others have."""
+
+    def later(assignment: str) -> bool:
+        name = full_name(assignment.partition("=")[0].strip(), alone)
+        try:
+            return system.port(name)[1].causality != "structuralParameter"
+        except AdcsError:  # which is refused when its turn comes
+            return True
+
+    return sorted(assignments, key=later)
 
 
 def full_name(name: str, alone: str | None) -> str:
@@ -32,6 +47,14 @@ def seconds(text: str, what: str) -> float:
     """Read a time [s] with or without a unit; `what` is the option, for the error."""
     match = re.fullmatch(r"\s*(?P<number>[-+.\deE]+)\s*(?P<unit>ms|s|min|h)?\s*", text)
     try:
-        return float(match["number"]) * {"ms": 1e-3, "min": 60.0, "h": 3600.0}.get(match["unit"], 1.0)  # type: ignore[index]
+        time = float(match["number"]) * {"ms": 1e-3, "min": 60.0, "h": 3600.0}.get(match["unit"], 1.0)  # type: ignore[index]
+        if not isfinite(time):
+            raise ValueError
+        return time
     except (TypeError, ValueError):
-        raise AdcsError(f"{what}: {text!r} is not a time, write 120s, 0.1s, 5ms, 2min or 1h") from None
+        raise AdcsError(f"{what}: {shown(repr(text))} is not a time, write 120s, 0.1s, 5ms, 2min or 1h") from None
+
+
+def whole(text: str) -> int | None:
+    """Return a whole number from 0 that is written in digits, None if it is not so or has more than nine."""
+    return int(text) if text.isdecimal() and len(text) <= 9 else None

@@ -6,9 +6,11 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import PurePosixPath
 
-from lxml import etree
-
+from fmus.archive import LARGEST_XML, Archive
+from fmus.checks import Note
+from fmus.errors import AdcsError
 from fmus.toolchain import TARGETS
+from fmus.xml import parse
 
 _TOP_LEVEL = {
     "modelDescription.xml",
@@ -33,8 +35,18 @@ _SUFFIXES = {
 
 def check_archive(archive: zipfile.ZipFile) -> Iterator[str]:
     """Paths that unpack safely everywhere, and compression that every tool reads."""
-    if damaged := archive.testzip():
-        yield f"{damaged} is damaged: its checksum does not fit"
+    try:
+        damaged = archive.testzip()
+    except Exception as error:  # of zlib, or a header that does not fit the directory
+        yield f"a file is damaged: {' '.join(str(error).split())}"
+    else:
+        if damaged:
+            yield f"{damaged} is damaged: its checksum does not fit"
+    yield from check_members(archive)
+
+
+def check_members(archive: zipfile.ZipFile) -> Iterator[str]:
+    """Of what is in the archive, all that can be seen without unpacking it."""
     for name, count in Counter(archive.namelist()).items():
         if count > 1:
             yield f"{name} is contained {count} times"
@@ -45,7 +57,7 @@ def check_archive(archive: zipfile.ZipFile) -> Iterator[str]:
         if name.startswith("/") or re.match(r"[A-Za-z]:", name) or ".." in PurePosixPath(name).parts:
             yield f"{name}: path leads out of the FMU"
         if not name.isascii():
-            yield f"{name}: path has characters beyond ASCII"
+            yield Note(f"{name}: path has characters beyond ASCII")
         if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
             yield f"{name}: compression method {entry.compress_type}, expected 0 (stored) or 8 (deflated)"
         if entry.flag_bits & 1:
@@ -54,11 +66,11 @@ def check_archive(archive: zipfile.ZipFile) -> Iterator[str]:
             yield f"{name} is a symbolic link"
 
 
-def check_layout(archive: zipfile.ZipFile, identifiers: set[str]) -> Iterator[str]:
+def check_layout(archive: Archive, identifiers: set[str]) -> Iterator[str]:
     """Files where the standards want them; `identifiers` are the model identifiers."""
-    files = {name for name in archive.namelist() if not name.endswith("/")}
+    files = {name for name in archive.names if not name.endswith("/")}
     for top in sorted({PurePosixPath(name).parts[0] for name in files} - _TOP_LEVEL):
-        yield f"{top} is no part of an FMU"
+        yield Note(f"{top} is no part of an FMU")
     folders: dict[str, set[str]] = {}
     for name in files:
         parts = PurePosixPath(name).parts
@@ -68,13 +80,13 @@ def check_layout(archive: zipfile.ZipFile, identifiers: set[str]) -> Iterator[st
         yield "neither binaries nor sources are contained"
     for folder, contents in sorted(folders.items()):
         if folder not in _SUFFIXES:
-            yield f"binaries/{folder} is no platform: known are {', '.join(_SUFFIXES)}"
+            yield Note(f"binaries/{folder} is no platform: known are {', '.join(_SUFFIXES)}")
             continue
         expected = {identifier + _SUFFIXES[folder] for identifier in identifiers}
         for name in sorted(expected - contents):
             yield f"binaries/{folder}/{name} is missing"
         for name in sorted(contents - expected):
-            yield f"binaries/{folder}/{name} is not expected there"
+            yield Note(f"binaries/{folder}/{name} is not expected there")
     for entry_point, folder in (
         ("documentation/index.html", "documentation/"),
         ("terminalsAndIcons/icon.png", "terminalsAndIcons/icon."),
@@ -87,16 +99,20 @@ def check_layout(archive: zipfile.ZipFile, identifiers: set[str]) -> Iterator[st
     yield from _check_sources(archive, files)
 
 
-def _check_sources(archive: zipfile.ZipFile, files: set[str]) -> Iterator[str]:
+def _check_sources(archive: Archive, files: set[str]) -> Iterator[str]:
     listed = set()
     for document, path in (
         ("sources/buildDescription.xml", ".//SourceFile"),
         ("modelDescription.xml", ".//SourceFiles/File"),
     ):
         if document in files:
-            root = etree.fromstring(archive.read(document))
+            try:
+                root = parse(archive.read(document, LARGEST_XML), document)
+            except AdcsError as error:
+                yield str(error)
+                continue
             listed |= {f"sources/{file.get('name')}" for file in root.iterfind(path)}
     for name in sorted(listed - files):
         yield f"{name} is to be compiled, but missing"
     if not listed and any(name.startswith("sources/") for name in files):
-        yield "sources are contained, but nothing says what is to be compiled"
+        yield Note("sources are contained, but nothing says what is to be compiled")

@@ -13,9 +13,10 @@ from fmpy.fmi2 import FMU2Model, FMU2Slave
 from fmpy.fmi3 import FMU3Model, FMU3Slave
 from fmpy.model_description import ModelDescription
 
+from fmus.checks import Note
 from fmus.paths import PACKAGE
 
-_MARK = "finding: "
+_MARKS = {"finding: ": str, "note: ": Note}
 _SECONDS = 60
 
 
@@ -36,9 +37,11 @@ def check_behaviour(path: Path) -> Iterator[str]:
         return
     said = ""
     for line in result.stdout.splitlines():
-        if line.startswith(_MARK):
-            yield line.removeprefix(_MARK) + (f" ({said})" if said else "")
-            said = ""
+        for mark, kind in _MARKS.items():
+            if line.startswith(mark):
+                yield kind(line.removeprefix(mark) + (f" ({said})" if said else ""))
+                said = ""
+                break
         else:
             said = line  # the FMU's own last message explains what follows
     if result.returncode != 0:
@@ -63,17 +66,26 @@ def _try(path: Path) -> Iterator[str]:
             if not library.is_file():
                 continue
 
-            def instance(token: str, interface=interface, fmu_class=fmu_class):  # type: ignore[no-untyped-def]
+            def instance(token: str, interface=interface, fmu_class=fmu_class, **settings):  # type: ignore[no-untyped-def]
                 fmu = fmu_class(
                     guid=token, modelIdentifier=interface.modelIdentifier, unzipDirectory=unzipped, instanceName="check"
                 )
-                fmu.instantiate()
+                fmu.instantiate(**settings)
                 return fmu
 
+            events: dict[str, bool] = {}
             try:
-                fmu = instance(model.guid)
+                try:
+                    fmu = instance(model.guid)
+                except Exception:
+                    if is_fmi2 or name != "CoSimulation" or not interface.hasEventMode:
+                        raise
+                    events = {"eventModeUsed": True, "earlyReturnAllowed": True}  # which some need
+                    fmu = instance(model.guid, **events)
+                    print()
             except Exception:
-                yield f"{name} cannot be instantiated with the token of the XML, {model.guid}"
+                text = f"{name} cannot be instantiated with the token of the XML, {model.guid}"
+                yield Note(f"{text}: it needs the tool that made it") if interface.needsExecutionTool else text
                 continue
             try:
                 if is_fmi2:
@@ -86,16 +98,16 @@ def _try(path: Path) -> Iterator[str]:
             except Exception as error:
                 yield f"{name} cannot be initialised with the start values of the XML: {error}"
             try:
-                instance("not the token")
+                instance("not the token", **events)
             except Exception:
                 print()  # so that the refusal is not taken for the cause of a later finding
                 continue
-            yield f"{name} can be instantiated with a wrong token"
+            yield Note(f"{name} can be instantiated with a wrong token")
 
 
 def _check_starts(fmu: FMU2Slave | FMU3Slave, model: ModelDescription) -> Iterator[str]:
     for v in model.modelVariables:
-        if v.start is None or v.type in ("String", "Binary", "Boolean", "Enumeration"):
+        if v.start is None or v.type in ("String", "Binary", "Boolean", "Enumeration", "Clock") or v.clocks:
             continue
         declared = [float(x) for x in str(v.start).split()]
         size = {"nValues": math.prod(v.shape)} if model.fmiVersion.startswith("3.") else {}
@@ -106,4 +118,4 @@ def _check_starts(fmu: FMU2Slave | FMU3Slave, model: ModelDescription) -> Iterat
 
 if __name__ == "__main__":
     for finding in _try(Path(sys.argv[1])):
-        print(_MARK + finding, flush=True)
+        print(("note: " if isinstance(finding, Note) else "finding: ") + finding, flush=True)

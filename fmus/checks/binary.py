@@ -1,12 +1,13 @@
 """The shared libraries: that they suit their platform, need nothing special, and export the FMI functions only."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from functools import cache
 from pathlib import PurePosixPath
 
 import lief
 
+from fmus.checks import Note
 from fmus.paths import FMI_HEADERS
 
 GLIBC_FLOOR = (2, 17)
@@ -25,8 +26,27 @@ _ARCHITECTURES = {
 _Library = lief.ELF.Binary | lief.PE.Binary | lief.MachO.Binary
 
 
-def check_binary(name: str, content: bytes, fmi_version: str) -> Iterator[str]:
-    """`name` is the path in the FMU, `fmi_version` the one whose functions must be there."""
+_OF_INTERFACE = {
+    "2": {
+        "ModelExchange": "EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime "
+        "SetContinuousStates GetDerivatives GetEventIndicators GetContinuousStates GetNominalsOfContinuousStates",
+        "CoSimulation": "SetRealInputDerivatives GetRealOutputDerivatives DoStep CancelStep GetStatus GetRealStatus "
+        "GetIntegerStatus GetBooleanStatus GetStringStatus",
+    },
+    "3": {
+        "ModelExchange": "InstantiateModelExchange EnterContinuousTimeMode CompletedIntegratorStep SetTime "
+        "SetContinuousStates GetContinuousStateDerivatives GetEventIndicators GetContinuousStates "
+        "GetNominalsOfContinuousStates GetNumberOfEventIndicators GetNumberOfContinuousStates",
+        "CoSimulation": "InstantiateCoSimulation EnterStepMode GetOutputDerivatives DoStep",
+        "ScheduledExecution": "InstantiateScheduledExecution ActivateModelPartition",
+    },
+}
+"""Functions that only an FMU with this interface needs, by major version of FMI."""
+_ALL = frozenset({"ModelExchange", "CoSimulation", "ScheduledExecution"})
+
+
+def check_binary(name: str, content: bytes, fmi_version: str, interfaces: Collection[str] = _ALL) -> Iterator[str]:
+    """`name` is the path in the FMU, `fmi_version` and `interfaces` those whose functions must be there."""
     lief.logging.disable()
     folder = PurePosixPath(name).parts[1]
     parsed = lief.MachO.parse(content) if name.endswith(".dylib") else lief.parse(content)
@@ -40,13 +60,13 @@ def check_binary(name: str, content: bytes, fmi_version: str) -> Iterator[str]:
         yield f"{name} is for {', '.join(sorted(architectures))}, expected {' or '.join(sorted(expected))}"
     for part in slices:
         exported = set(_exports(part)) - _LINKER_MADE
-        if missing := functions(fmi_version) - exported:
+        if missing := needed_functions(fmi_version, interfaces) - exported:
             yield f"{name} does not export {', '.join(sorted(missing))}"
         if extra := exported - functions("2.0") - functions("3.0"):
-            yield f"{name} exports {', '.join(sorted(extra))}, which are no FMI functions"
+            yield Note(f"{name} exports {_some(sorted(extra))}, which are no FMI functions")
         for library in _needs(part):
             if not _NEEDED.fullmatch(library):
-                yield f"{name} needs {library}, which may not be installed"
+                yield Note(f"{name} needs {library}, which may not be installed")
         if isinstance(part, lief.ELF.Binary):
             yield from _check_glibc(name, part)
 
@@ -59,14 +79,27 @@ def functions(fmi_version: str) -> frozenset[str]:
     return frozenset(re.findall(rf"#\s*define\s+(fmi{major}\w+)\s+fmi{major}FullName\(", header))
 
 
+def needed_functions(fmi_version: str, interfaces: Collection[str]) -> frozenset[str]:
+    """The functions that all FMUs have, and those of these interfaces."""
+    major = fmi_version[0]
+    others = [names for interface, names in _OF_INTERFACE[major].items() if interface not in interfaces]
+    return functions(fmi_version) - {f"fmi{major}{name}" for names in others for name in names.split()}
+
+
+def _some(names: list[str]) -> str:
+    return ", ".join(names[:10]) + (f" and {len(names) - 10} more" if len(names) > 10 else "")
+
+
 def _check_glibc(name: str, part: lief.ELF.Binary) -> Iterator[str]:
     for requirement in part.symbols_version_requirement:
+        if not _NEEDED.fullmatch(str(requirement.name)):
+            continue  # said already
         for version in requirement.get_auxiliary_symbols():
             version_name = str(version.name)
             match = re.fullmatch(r"GLIBC_([\d.]+)", version_name)
             if not match or tuple(map(int, match[1].split("."))) > GLIBC_FLOOR:
                 floor = ".".join(map(str, GLIBC_FLOOR))
-                yield f"{name} needs {version_name} of {requirement.name}, expected GLIBC_{floor} or older"
+                yield Note(f"{name} needs {version_name} of {requirement.name}, expected GLIBC_{floor} or older")
 
 
 def _architecture(part: _Library) -> str:

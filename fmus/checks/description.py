@@ -1,14 +1,18 @@
 """modelDescription.xml and its companions: the validator of fmpy, and what that misses."""
 
 import math
-import zipfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import fmpy
 from fmpy.model_description import ModelDescription, ModelVariable, Unknown
 from fmpy.validation import validate_fmu
 from lxml import etree
+
+from fmus.archive import LARGEST_XML, Archive
+from fmus.errors import AdcsError
+from fmus.xml import parse
 
 _COMPANIONS = {
     "terminalsAndIcons/terminalsAndIcons.xml": "fmi3TerminalsAndIcons.xsd",
@@ -21,12 +25,16 @@ def check_standard(path: Path) -> Iterator[str]:
     yield from map(str, validate_fmu(str(path)))
 
 
-def check_companions(archive: zipfile.ZipFile, model: ModelDescription) -> Iterator[str]:
+def check_companions(archive: Archive, model: ModelDescription) -> Iterator[str]:
     """The other XML files: their schema, and names that the model has."""
     schemas = Path(fmpy.__file__).parent / "schema" / "fmi3"
     for name, schema_name in _COMPANIONS.items():
-        if name in archive.namelist():
-            document = etree.fromstring(archive.read(name))
+        if name in archive.names:
+            try:
+                document = parse(archive.read(name, LARGEST_XML), name)
+            except AdcsError as error:
+                yield str(error)
+                continue
             schema = etree.XMLSchema(file=str(schemas / schema_name))
             if not schema.validate(document):
                 yield from (f"{name}, line {error.line}: {error.message}" for error in schema.error_log)
@@ -36,8 +44,9 @@ def check_companions(archive: zipfile.ZipFile, model: ModelDescription) -> Itera
                     yield f"{name}, line {member.sourceline}: {member.get('variableName')} is no variable"
 
 
-def check_variables(model: ModelDescription) -> Iterator[str]:
-    """Derivatives, starts, bounds, units."""
+def check_variables(model: ModelDescription, root: Any) -> Iterator[str]:
+    """Derivatives, starts, bounds, units. `root` is the XML, for what fmpy does not read of it."""
+    elsewhere = {start.getparent().get("name") for start in root.iterfind("ModelVariables/*/Start")}  # texts, bytes
     units = {unit.name: {display.name for display in unit.displayUnits} for unit in model.unitDefinitions}
     for v in model.modelVariables:
         unit = v.unit or (v.declaredType.unit if v.declaredType else None)
@@ -47,6 +56,8 @@ def check_variables(model: ModelDescription) -> Iterator[str]:
             yield f"{v.name}: display unit {v.displayUnit} is not defined for {unit}"
         if v.derivative is not None:
             yield from _check_derivative(v, v.derivative)
+        if v.type == "Clock" or v.name in elsewhere:  # a clock has no value
+            continue
         if v.start is None:
             if v.causality in ("input", "parameter") or v.initial in ("exact", "approx"):
                 yield f"{v.name}: start is missing, expected {_shape(v)}"
@@ -58,11 +69,15 @@ def check_variables(model: ModelDescription) -> Iterator[str]:
 
 
 def check_dependencies(model: ModelDescription) -> Iterator[str]:
-    """Unknowns depend on knowns: time, inputs and states; before the run also on what has a given start value."""
+    """Unknowns depend on knowns: time, inputs and states; before the run also on what has a given start value.
+
+    Parameters and constants are known at any time; they say nothing in a list of dependencies, and do no harm.
+    """
     states = {u.variable.derivative.name for u in model.derivatives if u.variable.derivative is not None}
 
     def is_known(v: ModelVariable) -> bool:
-        return v.causality in ("input", "independent") or v.name in states
+        always = v.variability == "constant" or v.causality in ("parameter", "structuralParameter")
+        return always or v.causality in ("input", "independent") or v.name in states
 
     def is_known_at_start(v: ModelVariable) -> bool:
         return v.causality in ("input", "independent") or v.initial == "exact"
@@ -99,7 +114,12 @@ def _check_start(v: ModelVariable) -> Iterator[str]:
         yield f"{v.name}: start has {len(values)} values, expected {_shape(v)}"
     if v.type == "Boolean":
         return
-    for value in map(float, values):
+    for text in values:
+        try:
+            value = float(text)
+        except ValueError:
+            yield f"{v.name}: start {text} is not a number"
+            continue
         if not math.isfinite(value):
             yield f"{v.name}: start {value} is not finite"
         elif v.min is not None and value < float(v.min):

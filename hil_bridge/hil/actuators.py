@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
@@ -13,6 +12,7 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from fmus.errors import AdcsError
 from hil_bridge.frames import Floats
+from orchestration.tables import read_table
 
 CHANNELS = 16
 
@@ -40,14 +40,8 @@ class Actuators:
     @classmethod
     def from_csv(cls, path: Path) -> Actuators:
         """Read three lines for x, y, z with the torque [N.m] of each control at 1: a column for a thruster or wheel."""
-        try:
-            with path.open(newline="", encoding="utf-8-sig") as file:
-                effect = np.array([[float(cell) for cell in line] for line in csv.reader(file) if line])
-        except OSError as error:
-            raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
-        except ValueError as error:
-            raise AdcsError(f"{path}: {error}") from None
-        if effect.ndim != 2 or len(effect) != 3 or effect.shape[1] > CHANNELS or not np.isfinite(effect).all():
+        _, effect = read_table(path, header=False)
+        if len(effect) != 3 or effect.shape[1] > CHANNELS or not np.isfinite(effect).all():
             raise AdcsError(
                 f"{path}: expected 3 lines of 1 to {CHANNELS} finite numbers, torque in N.m of each control"
             )

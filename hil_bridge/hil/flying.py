@@ -11,7 +11,7 @@ from hil_bridge.hil.lockstep import Flight
 from orchestration import System
 from orchestration.fmu import FmiVersion
 from orchestration.grid import Grid
-from orchestration.instance import CallFailed
+from orchestration.instance import CallFailed, EndRequested
 from orchestration.manifest import make_manifest
 from orchestration.results import Recording, Result, RunFailed, RunInterrupted
 from orchestration.session import CoSimulation
@@ -53,7 +53,7 @@ def fly(
     with CoSimulation(system, step=grid.step, steps=grid.steps, fmi_version=fmi_version) as simulation:
         began = time.perf_counter(), time.process_time()
         try:
-            while simulation.k <= grid.steps:
+            while simulation.k <= grid.steps and simulation.ended is None:
                 flight(simulation)
                 _take(simulation, recording)
                 progress(simulation.k / (grid.steps + 1))
@@ -69,8 +69,9 @@ def fly(
         except KeyboardInterrupt as error:
             raise RunInterrupted(result({"status": "interrupted"})) from error
         finally:
-            manifest["warnings"] = simulation.warnings
-    return result({"status": "complete"})
+            manifest["warnings"] += simulation.warnings
+    ended = {} if simulation.ended is None else {"ended": simulation.ended.as_dict()}
+    return result({"status": "complete", **ended})
 
 
 def check(system: System, *, stop_time: float, step: float, fmi_version: FmiVersion = "2.0") -> None:
@@ -86,5 +87,7 @@ def _take(simulation: CoSimulation, recording: Recording) -> None:
         simulation.start, simulation.step, simulation.k, 1, simulation.last, None, recording.room(1)
     )
     recording.commit(written)
-    if failed is not None:
+    if isinstance(failed, EndRequested):
+        simulation.ended = failed
+    elif failed is not None:
         raise failed

@@ -16,7 +16,9 @@ from hil_bridge.hil.framing import Frames
 PORT = 4560
 """Where PX4 looks for its simulator."""
 
-_MOST = 65536  # bytes at a time
+_MOST = 16384  # bytes at a time
+_MOST_WAITING = 8  # connections that have not said yet what they are
+_MOST_EARLY = 1000  # messages that are kept of what comes before the first point
 
 
 class Link:
@@ -39,14 +41,23 @@ class Link:
         except OSError as error:
             raise self._lost(error) from None
 
-    def greeted(self, deadline: float) -> None:
-        """Wait for the HEARTBEAT that tells MAVLink from other protocols; keep what came with it."""
-        early: list[Any] = []
-        while not any(message.get_type() == "HEARTBEAT" for message in early):
-            if monotonic() >= deadline:
-                raise AdcsError(f"what connected from {self.peer} sent no MAVLink HEARTBEAT: it is no autopilot")
-            early += self.receive(deadline)
-        self._pending = early
+    def fileno(self) -> int:
+        """The socket's number, to be waited for."""
+        return self._socket.fileno()
+
+    def close(self) -> None:
+        """Close the connection."""
+        self._socket.close()
+
+    def greets(self) -> bool:
+        """Whether the HEARTBEAT has come that tells MAVLink from other protocols; what came with it is kept.
+
+        To be called when there is something to read; does not wait.
+        """
+        self._pending, early = [], self._pending
+        messages = self.receive(0.0)
+        self._pending = [*early, *messages][-_MOST_EARLY:]
+        return any(message.get_type() == "HEARTBEAT" for message in messages)
 
     def receive(self, deadline: float) -> list[Any]:
         """Return the messages that are there, or the next before `deadline` (of time.monotonic); else none."""
@@ -92,7 +103,8 @@ class Server:
         try:
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             self._socket.bind((host, port))
-            self._socket.listen(1)
+            self._socket.listen(_MOST_WAITING)
+            self._socket.setblocking(False)
         except OSError as error:
             self._socket.close()
             raise AdcsError(
@@ -102,16 +114,45 @@ class Server:
 
     @contextmanager
     def autopilot(self, connect_timeout: float, timeout: float) -> Iterator[Link]:
-        """Wait for an autopilot [s] and for its HEARTBEAT, then listen no more: there is room for one."""
-        where = f"{self.host}:{self.port}"
+        """Wait for an autopilot [s], the first that sends a HEARTBEAT, then listen no more: there is room for one."""
         deadline = monotonic() + connect_timeout
+        waiting: list[Link] = []
         try:
-            if not select([self._socket], [], [], connect_timeout)[0]:
-                raise AdcsError(f"no autopilot connected to {where} within {connect_timeout:g} s")
-            connection, address = self._socket.accept()
+            link = self._first_to_greet(waiting, deadline, connect_timeout, timeout)
         finally:
             self._socket.close()
-        with connection:
-            link = Link(connection, f"{address[0]}:{address[1]}", timeout)
-            link.greeted(deadline)
+            for each in waiting:
+                each.close()
+        try:
             yield link
+        finally:
+            link.close()
+
+    def _first_to_greet(self, waiting: list[Link], deadline: float, connect_timeout: float, timeout: float) -> Link:
+        """Return the first of those who connect that sends a HEARTBEAT; who says nothing holds up nobody."""
+        last = ""
+        while (patience := deadline - monotonic()) > 0:
+            readable = select([self._socket.fileno(), *(link.fileno() for link in waiting)], [], [], patience)[0]
+            for link in [link for link in waiting if link.fileno() in readable]:
+                last = link.peer
+                try:
+                    greets = link.greets()
+                except AdcsError:  # it left again
+                    waiting.remove(link)
+                    link.close()
+                    continue
+                if greets:
+                    waiting.remove(link)
+                    return link
+            if self._socket.fileno() in readable:
+                try:
+                    connection, address = self._socket.accept()
+                except OSError:  # it left before it was let in
+                    continue
+                waiting.append(Link(connection, f"{address[0]}:{address[1]}", timeout))
+                if len(waiting) > _MOST_WAITING:
+                    waiting.pop(0).close()
+        if waiting or last:
+            peer = waiting[-1].peer if waiting else last
+            raise AdcsError(f"what connected from {peer} sent no MAVLink HEARTBEAT: it is no autopilot")
+        raise AdcsError(f"no autopilot connected to {self.host}:{self.port} within {connect_timeout:g} s")

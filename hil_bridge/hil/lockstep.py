@@ -28,6 +28,7 @@ BOOT_USEC = 1_000_000
 _HEARTBEAT_PERIOD = 1.0  # s, all of simulated time
 _GPS_PERIOD = 0.2
 _FIELD_PERIOD = 0.1  # in which the field along a low orbit changes by some 0.01 microtesla
+_MOST_REPLIES = 100  # to requests between two points; more are not answered
 _PATIENCE = 1.0  # s of real time for the first answer, before an autopilot that is still booting is not waited for
 
 
@@ -270,7 +271,7 @@ class Flight:
             kind = message.get_type()
             if kind == "HIL_ACTUATOR_CONTROLS":
                 controls.append(message)
-            elif kind == "COMMAND_LONG":
+            elif kind == "COMMAND_LONG" and len(self._replies) < _MOST_REPLIES:
                 self._replies.append(self._messages.acknowledgement(message.command, self._requested(message)))
         return controls
 

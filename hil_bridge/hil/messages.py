@@ -40,6 +40,7 @@ class Messages:
     def __init__(self, wiring: Wiring) -> None:
         self._wiring = wiring
         self._codec = mavlink.MAVLink(None, srcSystem=_SYSTEM, srcComponent=_COMPONENT)
+        self._told: dict[str, Floats] = {}
 
     def packed(self, message: Any) -> bytes:
         """Return the bytes of a message; each has the next sequence number."""
@@ -87,12 +88,12 @@ class Messages:
         )
 
     def truth(self, now: Moment) -> bytes:
-        """HIL_STATE_QUATERNION: true attitude in the frame F, true inertial rate in B, place over the Earth."""
+        """HIL_STATE_QUATERNION: true attitude in the frame F, inertial rate and specific force in B, place."""
         wiring = self._wiring
-        attitude = frames.multiply(now.values[wiring.attitude], frames.conjugate(now.q_FN))
+        attitude = self._steady("truth", frames.multiply(now.values[wiring.attitude], frames.conjugate(now.q_FN)))
         place = (0, 0, 0) if now.place is None else _position(now.place)
         speed = (0.0, 0.0, 0.0) if now.place is None else now.place.velocity_ned.tolist()
-        force = np.zeros(3) if wiring.accelerometer is None else now.values[wiring.accelerometer]
+        force = wiring.constant_force if wiring.specific_force is None else now.values[wiring.specific_force]
         return self.packed(
             mavlink.MAVLink_hil_state_quaternion_message(
                 now.time_usec,
@@ -102,7 +103,7 @@ class Messages:
                 *(clamped(100 * v, 16) for v in speed),
                 0,
                 0,
-                *(clamped(1000 * a / STANDARD_GRAVITY, 16) for a in force.tolist()),
+                *(clamped(1000 * a / STANDARD_GRAVITY, 16) for a in np.asarray(force).tolist()),
             )
         )
 
@@ -110,6 +111,7 @@ class Messages:
         """ODOMETRY of which the attitude alone is known: the star tracker's, in the frame F."""
         assert self._wiring.star_tracker is not None
         measured = frames.multiply(now.values[self._wiring.star_tracker], frames.conjugate(now.q_FN))
+        measured = self._steady("star tracker", measured)
         nothing, unknown = [float("nan")] * 3, [float("nan")] * 21
         return self.packed(
             mavlink.MAVLink_odometry_message(
@@ -127,6 +129,15 @@ class Messages:
                 100,
             )
         )
+
+    def _steady(self, what: str, q: Floats) -> Floats:
+        """The one of q and -q that is nearest to what was told before, so that no sign jumps where the body does not.
+
+        The first has a scalar part that is not negative.
+        """
+        before = self._told.get(what)
+        self._told[what] = frames.canonical(q) if before is None else frames.nearest(q, before)
+        return self._told[what]
 
     def acknowledgement(self, command: int, accepted: bool) -> bytes:
         """COMMAND_ACK."""

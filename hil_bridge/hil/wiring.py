@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from fmus.errors import AdcsError
 from orchestration import System
 
@@ -23,6 +25,10 @@ class Wiring:
     position: str | None = None
     velocity: str | None = None
     star_tracker: str | None = None
+    specific_force: str | None = None
+    """What the accelerometer measures, where an output feeds it."""
+    constant_force: tuple[float, ...] = (0.0, 0.0, 0.0)
+    """What it measures where nothing does: the start value of its input, in B [m/s2]; free fall feels none."""
 
     @classmethod
     def find(cls, system: System, torque: str | None = None) -> Wiring:
@@ -32,17 +38,21 @@ class Wiring:
             raise AdcsError(f"--torque {torque}: expected an input of 3 values that nothing feeds; {_choice(free)}")
         outputs = list(system.outputs())
         position, velocity = _one(outputs, "r_ON_N"), _one(outputs, "v_ON_N")
+        accelerometer = _one(outputs, "specific_force_B_meas")
+        specific_force, constant_force = _felt(system, accelerometer)
         return cls(
             attitude=_needed(system, outputs, "q_BN", "the attitude, from a plant"),
             rate=_needed(system, outputs, "omega_BN_B", "the angular velocity, from a plant"),
             gyro=_needed(system, outputs, "omega_BN_B_meas", "the rate of a gyro, from an InertialMeasurementUnit"),
             torque=torque or _torque(system, free),
-            accelerometer=_one(outputs, "specific_force_B_meas"),
+            accelerometer=accelerometer,
             magnetometer=_one(outputs, "magnetic_field_B_meas"),
             magnetic_field=_one(free, "magnetic_field_N"),
             position=position if velocity else None,
             velocity=velocity if position else None,
             star_tracker=_one(outputs, "q_BN_meas"),
+            specific_force=specific_force,
+            constant_force=constant_force,
         )
 
     @property
@@ -57,8 +67,27 @@ class Wiring:
             self.position,
             self.velocity,
             self.star_tracker,
+            self.specific_force,
         )
-        return [name for name in read if name is not None]
+        return list(dict.fromkeys(name for name in read if name is not None))
+
+
+def _felt(system: System, accelerometer: str | None) -> tuple[str | None, tuple[float, ...]]:
+    """The true specific force at an accelerometer: the output that feeds it as it is, or a constant [m/s2]."""
+    none = (0.0, 0.0, 0.0)
+    if accelerometer is None:
+        return None, none
+    component = system.components[accelerometer.partition(".")[0]]
+    port = component.fmu.ports.get("specific_force_B")
+    if port is None or port.causality != "input" or port.size != 3:
+        return None, none
+    name = f"{component.name}.{port.name}"
+    feeding = [c for c in system.connections if c.target.partition("[")[0] == name]
+    if not feeding:
+        start = component.start.get(port.name, none if port.start is None else port.start)
+        return None, tuple(float(x) for x in np.ravel(start))
+    whole = len(feeding) == 1 and feeding[0].target == name and feeding[0].plain and not feeding[0].delayed
+    return (feeding[0].source, none) if whole and system.port(feeding[0].source)[1].size == 3 else (None, none)
 
 
 def _free_inputs(system: System) -> list[str]:

@@ -8,7 +8,6 @@ from functools import cache
 from typing import Any, Literal, Protocol
 
 import numpy as np
-from scipy.integrate import DOP853
 
 from fmus.errors import AdcsError
 from orchestration.coupled.model import CoupledModel
@@ -18,7 +17,7 @@ from orchestration.plan import Floats
 SolverName = Literal["DOP853", "CVode"]
 
 _MAX_RETRIES = 12
-_MAX_STEPS = 100_000  # of CVode on the way to one target
+_MAX_STEPS = 100_000  # on the way to one target
 
 
 class Integrator(Protocol):
@@ -47,6 +46,24 @@ def integrator(model: CoupledModel, solver: SolverName, rtol: float, atol: float
     return _Dop853(model, rtol, atol) if solver == "DOP853" else _CVode(model, rtol, atol)
 
 
+class _Budget:
+    """Counts the steps on the way to a target, which could go on for ever."""
+
+    _target = np.nan
+
+    def count(self, time: float, target: float, name: str) -> None:
+        """Count one more; AdcsError that says how many would be needed, if they are too many."""
+        if target != self._target:
+            self._target, self._from, self._steps = target, time, 0
+        self._steps += 1
+        if self._steps > _MAX_STEPS:
+            needed = _MAX_STEPS * (target - self._from) / max(time - self._from, np.spacing(abs(target)))
+            raise AdcsError(
+                f"{name} cannot go on from t = {time:.9g} s: {_MAX_STEPS} steps do not reach t = {target:.9g} s, "
+                f"{needed:.2g} would be needed: choose a shorter time between rows, or loosen the tolerances"
+            )
+
+
 class _Nothing:
     """Integrates a system without continuous states."""
 
@@ -71,12 +88,14 @@ class _Dop853:
     def __init__(self, model: CoupledModel, rtol: float, atol: float) -> None:
         self._model = model
         self._rtol, self._atol = rtol, atol
+        self._budget = _Budget()
 
     def restart(self, t: float, x: Floats) -> None:
         self.time, self.x = t, x
         self._solver: Any = None
 
     def step(self, target: float) -> None:
+        self._budget.count(self.time, target, "DOP853")
         if self._solver is None:
             self._solver = self._start(self.time, self.x, target)
         solver = self._solver
@@ -122,6 +141,8 @@ class _Dop853:
         return np.asarray(solver.y, np.float64)
 
     def _start(self, time: float, x: Floats, target: float, **options: Any) -> Any:
+        from scipy.integrate import DOP853  # here, since it takes half a second that co-simulation does without
+
         atol = self._atol * self._model.nominals
         return DOP853(self._model.rhs, time, x, target, rtol=self._rtol, atol=atol, **options)
 
@@ -134,7 +155,7 @@ class _CVode:
         self._model = model
         self._rtol, self._atol = rtol, atol
         self._solver: Any = None
-        self._target = np.nan
+        self._budget = _Budget()
 
     def restart(self, t: float, x: Floats) -> None:
         self.time, self.x = t, x.copy()
@@ -142,19 +163,21 @@ class _CVode:
             self._solver.reset(t)
 
     def step(self, target: float) -> None:
-        if target != self._target:
-            self._target, self._steps = target, 0
+        self._budget.count(self.time, target, "CVode")
         if target - self.time <= 1e3 * np.spacing(max(abs(target), abs(self.time))):  # CVODE finds that too close
-            self.restart(target, self.x + (target - self.time) * self._model.rhs(self.time, self.x))
+            moved = (target - self.time) * self._model.rhs(self.time, self.x)
+            if np.any(np.abs(moved) > np.sqrt(self._rtol) * (np.abs(self.x) + self._model.nominals)):
+                raise AdcsError(
+                    f"CVode cannot go on from t = {self.time:.9g} s: time has too few digits here for its steps, let "
+                    "the run start nearer to 0"
+                )
+            self.restart(target, self.x + moved)
             self._short = True
             return
         self._short = False
         if self._solver is None:
             self._solver = self._make(self._model, self, self._rtol, self._atol)
-        self._steps += 1
         try:
-            if self._steps > _MAX_STEPS:
-                raise RuntimeError(f"{_MAX_STEPS} steps do not reach t = {target:.9g} s")
             before = self.time
             self.time, self.x = self._solver.one_step(target)
             if self.time <= before:

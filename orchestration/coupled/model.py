@@ -14,7 +14,10 @@ import numpy as np
 from fmus.errors import AdcsError
 from orchestration.engine import Engine
 from orchestration.fmu import FmiVersion
-from orchestration.instance import CallFailed, Instance, failing_at
+from orchestration.instance import CallFailed, EndRequested, Instance, failing_at
+from orchestration.isolation.guard import Guard
+from orchestration.isolation.overstepping import overstepped
+from orchestration.isolation.where import Where
 from orchestration.loops import Loops, LoopSolver
 from orchestration.opening import initialised
 from orchestration.plan import Floats, Plan, make_plan
@@ -30,6 +33,7 @@ class CoupledModel:
         with CoupledModel(system) as model:
             model.rhs(0.0, model.x0)
 
+    `ended` is the wish of a component to end the simulation, at whose time the values are valid, but none after it.
     `state_names` names the elements of x, `x0` is the state after initialisation, `nominals` are the states' nominal
     values, `next_event` is the time of the next time event (inf: none). Between two events `rhs`, `indicators` and
     `outputs` are functions of (t, x) alone. Algebraic loops are refused unless `loops` says how to solve them.
@@ -44,13 +48,19 @@ class CoupledModel:
         record: Sequence[str] | None = None,
         *,
         loops: LoopSolver | None = None,
+        where: Where | None = None,
+        guard: Guard | None = None,
     ) -> None:
         _refuse(system, fmi_version)
         recording = Recording(system, record, 1)
         self.system = system
         self.ports = recording.ports
         with ExitStack() as stack:
-            opened = initialised(system, "model-exchange", start_time, stop_time, fmi_version, solver=loops)
+            opened = initialised(
+                system, "model-exchange", start_time, stop_time, fmi_version, solver=loops, where=where, guard=guard
+            )
+            self._where, self._guard = where, guard
+            self._engines: list[Engine] = []
             self.instances = stack.enter_context(opened)
             fmus = {name: instance.fmu for name, instance in self.instances.items()}
             # in continuous-time mode only inputs of continuous variability may be set
@@ -73,13 +83,15 @@ class CoupledModel:
             self._watchers = [i for i in self.instances.values() if _needs_completed_step(i)]
             self._indicators = _Indicators(self.instances.values())
             self.next_event = inf
-            self.x0 = self._settle()
+            self.ended: EndRequested | None = None
+            self.x0 = self._settle(start_time)
             self._stack = stack.pop_all()
 
     def _bind(self, plan: Plan, solver: LoopSolver | None) -> Engine:
         loops = Loops(plan, self.instances, solver or LoopSolver())
         self._loops.append(loops)
-        return Engine(plan, self.instances, solve=loops.solve)
+        self._engines.append(Engine(plan, self.instances, solve=loops.solve, where=self._where))
+        return self._engines[-1]
 
     def __enter__(self) -> CoupledModel:
         return self
@@ -89,8 +101,9 @@ class CoupledModel:
 
     @property
     def warnings(self) -> list[str]:
-        """What the FMUs warned of."""
-        return [f"{i.name}: {text}" for i in self.instances.values() for text in i.warnings]
+        """What the FMUs warned of, and what they changed that was not theirs."""
+        told = [f"{i.name}: {text}" for i in self.instances.values() for text in i.warnings]
+        return told + overstepped(self.instances, self._guard, self._engines)
 
     @property
     def loop_reports(self) -> list[dict[str, Any]]:
@@ -152,7 +165,7 @@ class CoupledModel:
             for instance in self._watchers:
                 event, terminate = instance.call("completedIntegratorStep", "completedIntegratorStep")
                 if terminate:
-                    raise instance.ended()
+                    self.ended = self.ended or instance.ended(t)
                 if event:
                     asking = instance.name
         return asking
@@ -163,24 +176,24 @@ class CoupledModel:
         with failing_at(t):
             for instance in self.instances.values():
                 instance.call("entering event mode", "enterEventMode")
-            after = self._settle()
-            if self.next_event <= t:
+            after = self._settle(t)
+            if self.ended is None and not self.next_event > t:
                 late = f"its next event, at t = {self.next_event!r} s, does not lie ahead of this one"
                 raise CallFailed(self.next_event_of, late)
         return after
 
-    def _settle(self) -> Floats:
+    def _settle(self, time: float) -> Floats:
         """In event mode: propagate and update discrete states until nothing changes; return the continuous states."""
         self._next: dict[str, float] = {}
         unsettled = set(self.instances)
         self._propagate()
         for _ in range(_MAX_EVENT_ITERATIONS):
             before = self._at_events.signals.copy()
-            unsettled = {name for name in unsettled if self._update(self.instances[name])}
+            unsettled = {name for name in unsettled if self._update(self.instances[name], time)}
             self._propagate()
             changed = self._at_events.signals != before
             unsettled |= {call.component for call in self._sets if changed[call.where].any()}
-            if not unsettled:
+            if not unsettled or self.ended is not None:
                 break
         else:
             names = ", ".join(name for name in self.instances if name in unsettled)
@@ -195,13 +208,15 @@ class CoupledModel:
         self.nominals: Floats = np.concatenate(nominals)
         return np.concatenate(states)
 
-    def _update(self, instance: Instance) -> bool:
+    def _update(self, instance: Instance, now: float) -> bool:
         """Update discrete states once; note the next time event; return whether another update is needed."""
         method = "newDiscreteStates" if instance.major == 2 else "updateDiscreteStates"
         needed, terminate, _, _, defined, time = instance.call("updating discrete states", method)
         if terminate:
-            raise instance.ended()
+            self.ended = self.ended or instance.ended(now)
         self._next[instance.name] = time if defined else inf
+        if not self._next[instance.name] >= -inf:
+            raise CallFailed(instance.name, f"its next event is at t = {time!r} s: expected a time ahead")
         return bool(needed)
 
 

@@ -18,6 +18,7 @@ from orchestration.results import Recording
 
 _LOOKS = 5  # into each step, for indicators that leave their domain and come back
 _CHATTER = 100  # events in what counts as one instant
+_MOST_EVENTS = 100_000  # between two rows
 
 
 def couple(
@@ -32,15 +33,18 @@ def couple(
 ) -> None:
     """Integrate over the grid, stopping exactly at events; fill the recording and `states` (steps+1, n).
 
-    A row at the time of an event holds the values after it.
+    A row at the time of an event holds the values after it. If a component ends the simulation, the last row is that of
+    the time at which it does so (`model.ended`).
     """
     solution = Solution(model, grid.start, 1e-9 * grid.step, solver, rtol, atol)
     for k in range(grid.steps + 1):
         solution.reach(grid.time(k))
-        model.row(solution.time, solution.x, recording.data[k])
+        model.row(solution.time, solution.x, recording.room(1)[0])
         states[k] = solution.x
-        recording.filled = k + 1
+        recording.commit(1)
         progress((k + 1) / (grid.steps + 1))
+        if model.ended is not None:
+            return
 
 
 class Solution:
@@ -76,9 +80,9 @@ class Solution:
         return self._integrator.x
 
     def reach(self, point: float) -> None:
-        """Go on to a time, and through all events that happen there."""
-        looked = False
-        while True:
+        """Go on to a time, and through all events that happen there; not beyond the end that a component asks for."""
+        looked, events, start = False, 0, self.time
+        while self._model.ended is None:
             due = self._model.next_event
             if due <= point + self._instant:
                 target = due
@@ -92,10 +96,19 @@ class Solution:
             cause = self._advance(target)
             if cause is None and self.time >= due:
                 cause = self._model.next_event_of, "time events"
-            if cause is not None:
-                looked = False
+            if cause is not None and self._model.ended is None:
+                looked, events = False, events + 1
                 self._event(*cause)
-        if self.time < point:  # by an instant, over which a straight line is exact
+                if events == _MOST_EVENTS:
+                    needed = events * (point - start) / max(self.time - start, np.spacing(abs(point)))
+                    failed = CallFailed(
+                        cause[0],
+                        f"{events} events lead from t = {start:.9g} only to {self.time:.9g} s, {needed:.2g} would be "
+                        f"needed up to {point:.9g} s: choose a shorter time between rows",
+                    )
+                    failed.time = self.time
+                    raise failed
+        if self._model.ended is None and self.time < point:  # by an instant, over which a straight line is exact
             self._restart(point, self.x + (point - self.time) * self._model.rhs(self.time, self.x))
 
     def _advance(self, target: float) -> tuple[str, str] | None:
@@ -105,6 +118,8 @@ class Solution:
             self._integrator.step(target)
             crossed = self._crossing(before) if self._model.has_state_events else None
             asking = self._model.completed_step(self.time, self.x)
+            if self._model.ended is not None:
+                return None
             if crossed is not None:
                 return crossed
             if asking is not None:

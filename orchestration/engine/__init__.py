@@ -16,7 +16,8 @@ import numpy as np
 
 from fmus import toolchain
 from fmus.paths import BUILD
-from orchestration.instance import CallFailed, Instance
+from orchestration.instance import CallFailed, EndRequested, Instance
+from orchestration.isolation.where import ACTIONS, Doing, Place, Where
 from orchestration.plan import Call, Floats, Plan
 from orchestration.propagation import Ring, action_of, not_finite, not_held, not_mapped
 
@@ -25,19 +26,13 @@ _FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-Wall"
 
 _GET, _SET, _SOLVE, _DO_STEP, _SET_TIME, _SET_STATES, _GET_DERIVATIVES = range(7)
 _STATUS, _NOT_FINITE, _TERMINATED, _EARLY_RETURN, _DOES_NOT_FIT, _NOT_MAPPED, _RAISED, _GIVEN_UP = range(1, 9)
-_ACTIONS = {
-    _GET: "get",
-    _SET: "set",
-    _SOLVE: "solving an algebraic loop",
-    _DO_STEP: "doStep",
-    _SET_TIME: "setTime",
-    _SET_STATES: "setContinuousStates",
-    _GET_DERIVATIVES: "getDerivatives",
-}
 _TYPES = ["Float64", "Float32", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64", "Boolean"]
+_CONTROLS = ("the rounding mode", "the flushing of denormal numbers", "the traps of floating-point exceptions")
 _BOOL32 = len(_TYPES)  # FMI 2's
 _SIZES = dict(zip(_TYPES, (8, 4, 1, 1, 2, 2, 4, 4, 8, 8, 4), strict=True))
 _FMI2_NAMES = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean"}
+
+_NEVER = 2**63 - 1  # the point at which nobody ends the simulation
 
 _CALLBACK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int32, ctypes.c_int32, ctypes.c_double, ctypes.c_double)
 
@@ -52,6 +47,8 @@ class _Component(ctypes.Structure):
         ("n_states", ctypes.c_size_t),
         ("every", ctypes.c_int64),
         ("fmi", ctypes.c_int32),
+        ("foreign", ctypes.c_bool),
+        ("changed", ctypes.c_int32),
     )
 
 
@@ -118,17 +115,32 @@ class _Plan(ctypes.Structure):
         ("record_every", ctypes.c_int64),
         ("callback", _CALLBACK),
         ("failure", _Failure),
-        ("k", ctypes.c_int64),
-        ("doing", ctypes.c_int32),
-        ("component", ctypes.c_int32),
+        ("ending", ctypes.c_int64),
+        ("ender", ctypes.c_int32),
+        ("returned", ctypes.c_double),
+        ("where", ctypes.POINTER(Place)),
+        ("control", ctypes.c_uint32),
         ("stop", ctypes.c_int32),
     )
+
+
+class ThreadControl:
+    """The floating-point control of the thread that asks."""
+
+    def control(self) -> int:
+        """Return it."""
+        return int(_library().adcs_control())
+
+    def restore(self, value: int) -> list[str]:
+        """Put it back; say what was changed."""
+        return _controls(int(_library().adcs_restore(value)))
 
 
 class Engine:
     """A plan bound to the function pointers of its instances, which must stay open as long as it is used.
 
-    `solve` solves the loop of a given number; `rings` hold what is on its way in the plan's delays.
+    `solve` solves the loop of a given number; `rings` hold what is on its way in the plan's delays; `where` is told
+    where the loop is.
     """
 
     def __init__(
@@ -139,8 +151,11 @@ class Engine:
         rings: tuple[Ring, ...] = (),
         record_every: int = 1,
         solve: Callable[[int], None] | None = None,
+        where: Where | None = None,
     ) -> None:
         self._plan = plan
+        self._where = where or Where()
+        self._where.names = list(instances)
         self._instances = list(instances.values())
         self._solve = solve
         self._raised: BaseException | None = None
@@ -175,19 +190,34 @@ class Engine:
             n_record=n_record,
             record_every=record_every,
             callback=_CALLBACK(self._called_back),
+            where=ctypes.pointer(self._where.place),
         )
         self._reference = ctypes.byref(self._raw)
+        self.forget_end()
 
     @property
-    def doing(self) -> tuple[int, str, str]:
+    def doing(self) -> Doing:
         """Point, component and call that are going on; to be read from another thread."""
-        if self._raw.doing == _SOLVE:
-            return self._raw.k, "", _ACTIONS[_SOLVE]
-        return self._raw.k, self._instances[self._raw.component].name, _ACTIONS[self._raw.doing]
+        return self._where.now
 
     def stop(self, at_once: bool = False) -> None:
         """Let `steps` return before its next point, or before its next call; to be called from another thread."""
         self._raw.stop = 2 if at_once else 1
+
+    def forget_end(self) -> None:
+        """Nobody has asked yet to end the simulation, unless it was in initialisation."""
+        asking = next((n for n, instance in enumerate(self._instances) if instance.wants_end), None)
+        self._raw.ending, self._raw.ender = _NEVER if asking is None else -1, asking or 0
+
+    def ending(self, k: int) -> EndRequested | None:
+        """Return the wish of a component to end the simulation at point k, or before."""
+        return None if k < self._raw.ending else self._instances[self._raw.ender].ended()
+
+    @property
+    def changed(self) -> dict[str, list[str]]:
+        """What components have changed of the thread that they are called in, and was changed back, by their names."""
+        bits = {instance.name: int(self._raw.components[i].changed) for i, instance in enumerate(self._instances)}
+        return {name: _controls(changed) for name, changed in bits.items() if changed}
 
     def propagate(self, k: int = 0, time: float = 0.0) -> None:
         """Execute the get and set calls of point k once."""
@@ -207,15 +237,15 @@ class Engine:
         `external` (count, number of external signals) is what comes from outside. Returns the next point, how many
         `rows` (n, row size) were written, and what failed, if so.
         """
-        self._raw.k = first
+        self._where.place.k = first
         given = None if external is None else external.ctypes.data
         written = self._library.adcs_steps(self._reference, start, step, first, count, last, given, rows.ctypes.data)
         if not self._raw.failure.reason:
-            return self._raw.k, written, None
+            return self._where.place.k, written, None
         failed = self._failed()
         if failed.time is None:
-            failed.time = start + self._raw.k * step
-        return self._raw.k, written, failed
+            failed.time = start + self._where.place.k * step
+        return self._where.place.k, written, failed
 
     def evaluate(self, time: float, states: Floats, derivatives: Floats | None, row: Floats | None = None) -> None:
         """Coupled Model Exchange: write the derivatives and the row at a time and state vector (contiguous arrays)."""
@@ -236,7 +266,9 @@ class Engine:
                 assert self._solve is not None
                 self._solve(number)
             else:
-                self._instances[number].do_step(time, step)
+                instance = self._instances[number]
+                instance.do_step(time, step)
+                return 2 if instance.wants_end else 0
         except BaseException as error:  # cannot pass through C
             self._raised = error
             return 1
@@ -292,15 +324,19 @@ class Engine:
                 wrong = not_held if failure.reason == _DOES_NOT_FIT else not_mapped
                 return wrong(call, failure.element, value[failure.element])
         else:
-            action = _ACTIONS[failure.kind]
+            action = ACTIONS[failure.kind]
             elements = tuple(f"the derivative of {state}" for state in instance.fmu.states)
         if failure.reason == _NOT_FINITE:
             return not_finite(instance.name, elements[failure.element])
         if failure.reason == _TERMINATED:
-            return instance.ended()
+            return instance.ended(self._raw.returned)
         if failure.reason == _EARLY_RETURN:
-            return instance.returned_early()
+            return instance.returned_early(self._raw.returned)
         return instance.failure(action, failure.status)
+
+
+def _controls(bits: int) -> list[str]:
+    return [what for bit, what in enumerate(_CONTROLS) if bits >> bit & 1]
 
 
 def _access(instance: Instance, call: Call) -> int | None:
@@ -326,6 +362,7 @@ def _component(instance: Instance, every: int) -> _Component:
         n_states=len(instance.fmu.states),
         every=every,
         fmi=instance.major,
+        foreign=not instance.ours,
     )
 
 
@@ -370,6 +407,9 @@ def _library() -> ctypes.CDLL:
     library = ctypes.CDLL(os.environ.get("ADCS_ENGINE") or str(_built()))  # the variable: for sanitized builds
     plan, double, address, index = ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p, ctypes.c_int64
     library.adcs_plan_size.restype = ctypes.c_size_t
+    library.adcs_control.restype = ctypes.c_uint32
+    library.adcs_restore.argtypes = (ctypes.c_uint32,)
+    library.adcs_restore.restype = ctypes.c_int32
     library.adcs_propagate.argtypes = (plan, index, double)
     library.adcs_propagate.restype = ctypes.c_bool
     library.adcs_move_on.argtypes = (plan, index, index, double, double)

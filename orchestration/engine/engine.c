@@ -5,6 +5,7 @@
  * allocated here. What a plain FMI call cannot do goes back to Python through `Callback`. Mirrored by __init__.py. */
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -14,6 +15,29 @@
 #define EXPORT __declspec(dllexport)
 #else
 #define EXPORT __attribute__((visibility("default")))
+#endif
+
+/* The floating-point control of a thread, which every function in it can change for all: how results are rounded,
+ * whether denormal numbers are flushed to zero, and which exceptions trap. */
+#if defined(__x86_64__)
+#define ROUNDING 0x6000u
+#define DENORMALS 0x8040u
+static uint32_t control(void) { return __builtin_ia32_stmxcsr() & ~0x3fu; } /* without what has happened */
+static void set_control(uint32_t value) { __builtin_ia32_ldmxcsr(value); }
+#elif defined(__aarch64__)
+#define ROUNDING 0xc00000u
+#define DENORMALS 0x1000000u
+static uint32_t control(void) {
+    uint64_t value;
+    __asm__ volatile("mrs %0, fpcr" : "=r"(value));
+    return (uint32_t)value;
+}
+static void set_control(uint32_t value) { __asm__ volatile("msr fpcr, %0" : : "r"((uint64_t)value)); }
+#else
+#define ROUNDING 0u
+#define DENORMALS 0u
+static uint32_t control(void) { return 0; }
+static void set_control(uint32_t value) { (void)value; }
 #endif
 
 typedef uint32_t Reference;
@@ -37,7 +61,11 @@ typedef struct {
     size_t n_states;
     int64_t every; /* communicates at k = 0, every, 2*every ... */
     int32_t fmi;   /* 2 or 3 */
+    bool foreign;  /* its calls are looked after: what they change of the thread is changed back */
+    int32_t changed;
 } Component;
+
+enum { CHANGED_ROUNDING = 1, CHANGED_DENORMALS = 2, CHANGED_TRAPS = 4 };
 
 enum { GET, SET, SOLVE, DO_STEP, SET_TIME, SET_STATES, GET_DERIVATIVES };
 enum { FLOAT64, FLOAT32, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, BOOL8, BOOL32 };
@@ -87,10 +115,22 @@ typedef struct {
     int32_t element;   /* of the first value that is wrong */
 } Failure;
 
+/* Where the loop is, in memory that may be a file's, so that it can be read when the process has died; and by other
+ * threads. Larger in Python, which notes its own calls behind it. */
+typedef struct {
+    volatile int64_t k;
+    volatile int64_t rows;  /* that are complete */
+    volatile int64_t count; /* goes up whenever the engine is called */
+    volatile uint64_t now;  /* the call that is going on, IDLE if none; in the upper half, its component */
+} Where;
+
+enum { IDLE = -1 };
+
+/* 0: done, 1: it raised, 2: done, and the component asks to end the simulation */
 typedef int (*Callback)(int32_t kind, int32_t number, double time, double step);
 
 typedef struct {
-    const Component* components;
+    Component* components;
     size_t n_components;
     const Call* calls;
     size_t n_calls;
@@ -101,13 +141,31 @@ typedef struct {
     const Piece* record; /* what makes up a row */
     size_t n_record;
     int64_t record_every;
-    Callback callback; /* solves a loop, or steps a component; not 0: it raised */
+    Callback callback; /* solves a loop, or steps a component */
     Failure failure;
-    /* read and written by other threads */
-    volatile int64_t k;
-    volatile int32_t doing, component; /* the call that is going on */
-    volatile int32_t stop;             /* 1: return before the next point; 2: make no further call */
+    int64_t ending;  /* the point at which the simulation ends, because a component has asked for it */
+    int32_t ender;   /* index of the component */
+    double returned; /* the time at which a step that failed returned, where FMI 3 says it */
+    Where* where;
+    uint32_t control;      /* as it was when the engine was called */
+    volatile int32_t stop; /* written by other threads; 1: return before the next point; 2: make no further call */
 } Plan;
+
+/* Put the thread's control back; return what was changed. */
+EXPORT int32_t adcs_restore(uint32_t value) {
+    const uint32_t difference = control() ^ value;
+    if (!difference) return 0;
+    set_control(value);
+    return (difference & ROUNDING ? CHANGED_ROUNDING : 0) | (difference & DENORMALS ? CHANGED_DENORMALS : 0) |
+           (difference & ~(ROUNDING | DENORMALS) ? CHANGED_TRAPS : 0);
+}
+
+/* After a call of a component. */
+static void look_after(const Plan* plan, Component* c) {
+    if (c->foreign) c->changed |= adcs_restore(plan->control);
+}
+
+EXPORT uint32_t adcs_control(void) { return control(); }
 
 EXPORT size_t adcs_plan_size(void) { return sizeof(Plan); }
 
@@ -229,15 +287,18 @@ static size_t unpack(int32_t type, const void* raw, size_t n, double* values) {
     }
 }
 
+static void at(Plan* plan, int32_t doing, size_t component) {
+    plan->where->now = (uint32_t)doing | (uint64_t)component << 32; /* in one piece, for who reads it meanwhile */
+}
+
 static bool execute(Plan* plan, size_t index, double time) {
     const Call* call = &plan->calls[index];
-    plan->doing = call->kind;
-    plan->component = (int32_t)call->component;
+    at(plan, call->kind, call->component);
     if (call->kind == SOLVE) {
         const int raised = plan->callback(SOLVE, (int32_t)call->component, time, 0);
         return raised ? fail(plan, RAISED, SOLVE, call->component, index, 0, 0) : true;
     }
-    const Component* c = &plan->components[call->component];
+    Component* c = &plan->components[call->component];
     const size_t n = call->n_values;
     void* data = call->raw ? call->raw : call->values;
     if (call->kind == SET) {
@@ -252,6 +313,7 @@ static bool execute(Plan* plan, size_t index, double time) {
     }
     const int status = c->fmi == 2 ? call->access.fmi2(c->instance, call->references, call->n_references, data)
                                    : call->access.fmi3(c->instance, call->references, call->n_references, data, n);
+    look_after(plan, c);
     if (!good(status)) return fail(plan, STATUS, call->kind, call->component, index, status, 0);
     if (call->kind == GET) {
         if (call->raw) {
@@ -277,21 +339,45 @@ static bool propagate(Plan* plan, int64_t k, double time) {
     return true;
 }
 
-static bool do_step(Plan* plan, size_t i, double time, double step) {
-    const Component* c = &plan->components[i];
-    plan->doing = DO_STEP;
-    plan->component = (int32_t)i;
+/* Of a step, two times that differ by less are the same: SNAP of grid.py. */
+#define SNAP 1e-9
+
+/* An FMI 3 step asks to end the simulation at the time `last`, which not every FMU gives where it does not return
+ * early: note it, if the step is done. */
+static bool end_at(Plan* plan, size_t i, int64_t k, double time, double step, bool early, double last) {
+    plan->returned = last;
+    if (!(last >= time + step - SNAP * step)) {
+        if (last >= time) return fail(plan, TERMINATED, DO_STEP, i, 0, 0, 0);
+        if (early) return fail(plan, EARLY_RETURN, DO_STEP, i, 0, 0, 0);
+    }
+    if (k < plan->ending) {
+        plan->ending = k;
+        plan->ender = (int32_t)i;
+    }
+    return true;
+}
+
+/* To point k. */
+static bool do_step(Plan* plan, size_t i, int64_t k, double time, double step) {
+    Component* c = &plan->components[i];
+    at(plan, DO_STEP, i);
     if (!c->do_step.fmi2) {
-        const int raised = plan->callback(DO_STEP, (int32_t)i, time, step);
-        return raised ? fail(plan, RAISED, DO_STEP, i, 0, 0, 0) : true;
+        const int answer = plan->callback(DO_STEP, (int32_t)i, time, step);
+        look_after(plan, c);
+        if (answer == 2) return end_at(plan, i, k, time, step, false, time + step);
+        return answer ? fail(plan, RAISED, DO_STEP, i, 0, 0, 0) : true;
     }
     bool event = false, terminate = false, early = false;
-    double last = time;
+    double last = time + step; /* which not all FMUs set */
     const int status = c->fmi == 2 ? c->do_step.fmi2(c->instance, time, step, 1)
                                    : c->do_step.fmi3(c->instance, time, step, true, &event, &terminate, &early, &last);
+    look_after(plan, c);
     if (!good(status)) return fail(plan, STATUS, DO_STEP, i, 0, status, 0);
-    if (terminate) return fail(plan, TERMINATED, DO_STEP, i, 0, status, 0);
-    if (early) return fail(plan, EARLY_RETURN, DO_STEP, i, 0, status, 0);
+    if (terminate) return end_at(plan, i, k, time, step, early, last);
+    if (early) {
+        plan->returned = last;
+        return fail(plan, EARLY_RETURN, DO_STEP, i, 0, status, 0);
+    }
     return true;
 }
 
@@ -309,10 +395,22 @@ static void leave(Plan* plan, int64_t k) {
     }
 }
 
-EXPORT bool adcs_propagate(Plan* plan, int64_t k, double time) {
+static void begin(Plan* plan) {
     plan->failure.reason = 0;
+    plan->control = control();
+    ++plan->where->count;
+}
+
+static bool end(Plan* plan, bool well) {
+    at(plan, IDLE, 0);
+    return well;
+}
+
+EXPORT bool adcs_propagate(Plan* plan, int64_t k, double time) {
+    begin(plan);
+    plan->where->k = k;
     arrive(plan, k);
-    return propagate(plan, k, time);
+    return end(plan, propagate(plan, k, time));
 }
 
 /* From k to k+1. A component whose next communication point lies beyond `last` is not asked to go there. */
@@ -322,27 +420,29 @@ static bool move_on(Plan* plan, int64_t k, int64_t last, double time, double ste
         const int64_t every = plan->components[i].every;
         if (!due(every, k) || k + every > last) continue;
         if (plan->stop > 1) return fail(plan, GIVEN_UP, DO_STEP, i, 0, 0, 0);
-        if (!do_step(plan, i, time, (double)every * step)) return false;
+        if (!do_step(plan, i, k + every, time, (double)every * step)) return false;
     }
     return true;
 }
 
 EXPORT bool adcs_move_on(Plan* plan, int64_t k, int64_t last, double time, double step) {
-    plan->failure.reason = 0;
-    return move_on(plan, k, last, time, step);
+    begin(plan);
+    plan->where->k = k;
+    return end(plan, move_on(plan, k, last, time, step));
 }
 
 /* Points first .. first+count-1 of a co-simulation whose last point is `last`: take what comes from outside (a row of
  * n_external values for each point, or null), propagate at t_k = start + k*step, record every record_every-th point,
- * move on (not from the last one). plan->k says where it ended: at first+count, or before it where a call failed or it
- * was told to stop. Returns the number of rows written. */
-EXPORT int64_t adcs_steps(Plan* plan, double start, double step, int64_t first, int64_t count, int64_t last,
-                          const double* external, double* rows) {
+ * move on (not from the last one). plan->where->k says where it ended: at first+count, or before it where a call failed
+ * or it was told to stop, or at the point, recorded, at which a component ends the simulation. Returns the number of rows
+ * written. */
+static int64_t steps(Plan* plan, double start, double step, int64_t first, int64_t count, int64_t last,
+                     const double* external, double* rows) {
     int64_t written = 0;
-    plan->failure.reason = 0;
+    Where* where = plan->where;
     for (int64_t k = first; k < first + count && !plan->stop; ++k) {
         const double time = start + (double)k * step;
-        plan->k = k;
+        where->k = k;
         if (external) {
             memcpy(plan->signals, external, plan->n_external * sizeof(double));
             external += plan->n_external;
@@ -352,37 +452,62 @@ EXPORT int64_t adcs_steps(Plan* plan, double start, double step, int64_t first, 
         if (plan->record_every == 1 || k % plan->record_every == 0) {
             rows = gather(plan->signals, plan->record, plan->n_record, rows);
             ++written;
+            atomic_signal_fence(memory_order_release); /* the row comes first, also for who reads it after a crash */
+            ++where->rows;
+        }
+        if (k >= plan->ending) {
+            plan->returned = time;
+            fail(plan, TERMINATED, DO_STEP, (size_t)plan->ender, 0, 0, 0);
+            return written;
         }
         if (k < last && !move_on(plan, k, last, time, step)) return written;
-        plan->k = k + 1;
+        where->k = k + 1;
     }
+    return written;
+}
+
+EXPORT int64_t adcs_steps(Plan* plan, double start, double step, int64_t first, int64_t count, int64_t last,
+                          const double* external, double* rows) {
+    begin(plan);
+    const int64_t written = steps(plan, start, step, first, count, last, external, rows);
+    end(plan, true);
     return written;
 }
 
 /* All components as one ordinary differential equation: values at (time, states), then the derivatives, if wanted, and
  * the row, if wanted. Returns false when a call failed. */
-EXPORT bool adcs_evaluate(Plan* plan, double time, const double* states, double* derivatives, double* row) {
+static bool evaluate(Plan* plan, double time, const double* states, double* derivatives, double* row) {
     const double* x = states;
-    plan->failure.reason = 0;
     for (size_t i = 0; i < plan->n_components; ++i) {
-        const Component* c = &plan->components[i];
+        Component* c = &plan->components[i];
+        at(plan, SET_TIME, i);
         int status = c->set_time(c->instance, time);
+        look_after(plan, c);
         if (!good(status)) return fail(plan, STATUS, SET_TIME, i, 0, status, 0);
         if (c->n_states == 0) continue;
+        at(plan, SET_STATES, i);
         status = c->set_states(c->instance, x, c->n_states);
+        look_after(plan, c);
         if (!good(status)) return fail(plan, STATUS, SET_STATES, i, 0, status, 0);
         x += c->n_states;
     }
     if (!propagate(plan, 0, time)) return false;
     if (row) gather(plan->signals, plan->record, plan->n_record, row);
     for (size_t i = 0; derivatives && i < plan->n_components; ++i) {
-        const Component* c = &plan->components[i];
+        Component* c = &plan->components[i];
         if (c->n_states == 0) continue;
+        at(plan, GET_DERIVATIVES, i);
         const int status = c->get_derivatives(c->instance, derivatives, c->n_states);
+        look_after(plan, c);
         if (!good(status)) return fail(plan, STATUS, GET_DERIVATIVES, i, 0, status, 0);
         const size_t bad = first_not_finite(derivatives, c->n_states);
         if (bad < c->n_states) return fail(plan, NOT_FINITE, GET_DERIVATIVES, i, 0, status, bad);
         derivatives += c->n_states;
     }
     return true;
+}
+
+EXPORT bool adcs_evaluate(Plan* plan, double time, const double* states, double* derivatives, double* row) {
+    begin(plan);
+    return end(plan, evaluate(plan, time, states, derivatives, row));
 }

@@ -13,12 +13,12 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
 from urllib.parse import unquote, urlsplit
 
 from lxml import etree
 
 from fmus import paths
+from fmus.archive import LARGEST_XML, Archive
 from fmus.errors import AdcsError
 from orchestration.ssp.documents import parse
 from orchestration.ssp.schemas import Kind
@@ -26,50 +26,27 @@ from orchestration.ssp.schemas import Kind
 STRUCTURE = "SystemStructure.ssd"
 CACHE = paths.BUILD / "ssp"
 """Where the FMUs of `.ssp` files are put."""
-_LARGEST_DOCUMENT = 64 << 20  # bytes; XML of that size is an attack or a mistake
-_LARGEST_FMU = 2 << 30
+_LARGEST_FMU = 2 << 30  # bytes, packed
 
 
-class Archive:
-    """An opened `.ssp`, of a file or of the content of one inside another. A context manager; raises AdcsError."""
+class SspArchive(Archive):
+    """An opened `.ssp`, of a file or of the content of one inside another."""
 
     def __init__(self, path: Path, content: bytes | None = None) -> None:
-        self.path = path
-        try:
-            self._zip = zipfile.ZipFile(path if content is None else io.BytesIO(content))
-        except OSError as error:
-            raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
-        except zipfile.BadZipFile:
-            raise AdcsError(f"{path} is no SSP, it is not a zip archive: export or download it again") from None
+        super().__init__(path, content)
         self._documents: dict[tuple[str, Kind], etree._Element] = {}
-        self._packages: dict[str, Archive] = {}
-        try:
-            self._check()
-        except AdcsError:
-            self._zip.close()
-            raise
-
-    def __enter__(self) -> Archive:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self.close()
+        self._packages: dict[str, SspArchive] = {}
+        if STRUCTURE not in self.names:
+            self.close()
+            raise AdcsError(
+                f"{path.name}: it has no {STRUCTURE} at its root: pack it there, without a folder around it"
+            )
 
     def close(self) -> None:
         """Close the file, and those opened inside it."""
         for package in self._packages.values():
             package.close()
-        self._zip.close()
-
-    def _check(self) -> None:
-        names = self._zip.namelist()
-        for name in names:
-            if "\\" in name or ":" in name or name.startswith("/") or ".." in name.split("/") or "\0" in name:
-                raise AdcsError(f"{self.path.name}: it holds the path {name!r} that leads outside the archive: refused")
-        if STRUCTURE not in names:
-            raise AdcsError(
-                f"{self.path.name}: it has no {STRUCTURE} at its root: pack it there, without a folder around it"
-            )
+        super().close()
 
     def locate(self, source: str, what: str, base: str = "") -> str:
         """Return the name of the member that a URI of the document `base` names."""
@@ -79,20 +56,20 @@ class Archive:
         member = posixpath.normpath(posixpath.join(posixpath.dirname(base), unquote(parts.path)))
         if member.startswith(("..", "/")) or parts.fragment:
             raise AdcsError(f"{what} is at {source!r}: only files inside the .ssp are read, put it there")
-        if member not in self._zip.namelist():
+        if member not in self.names:
             raise AdcsError(f"{what} is missing: the archive has no file {member!r}, pack it there")
         return member
 
     def document(self, member: str, kind: Kind) -> etree._Element:
         """Read and check an XML document."""
         if (member, kind) not in self._documents:
-            self._documents[member, kind] = parse(self._read(member, _LARGEST_DOCUMENT), member, kind)
+            self._documents[member, kind] = parse(self.read(member, LARGEST_XML), member, kind)
         return self._documents[member, kind]
 
-    def package(self, member: str) -> Archive:
+    def package(self, member: str) -> SspArchive:
         """Open an `.ssp` that is inside this one."""
         if member not in self._packages:
-            self._packages[member] = Archive(Path(member), self._read(member, _LARGEST_FMU))
+            self._packages[member] = SspArchive(Path(member), self.read(member, _LARGEST_FMU))
         return self._packages[member]
 
     def fmu(self, member: str) -> Path:
@@ -101,7 +78,7 @@ class Archive:
         It is copied into a folder named by the checksum of its content, once: the systems read keep working when the
         `.ssp` is gone, and the same FMU in two of them is one file.
         """
-        content = self._read(member, _LARGEST_FMU)
+        content = self.read(member, _LARGEST_FMU)
         digest = hashlib.sha256(content).hexdigest()
         path = CACHE / digest[:32] / posixpath.basename(member)
         if path.suffix != ".fmu":
@@ -116,23 +93,12 @@ class Archive:
             raise AdcsError(f"cannot put {member} into {path.parent} ({error.strerror or error})") from error
         return path
 
-    def _read(self, member: str, largest: int) -> bytes:
-        info = self._zip.getinfo(member)
-        if info.file_size > largest:
-            raise AdcsError(f"{member} has {info.file_size:,} bytes unpacked, more than {largest:,}: refused")
-        if info.flag_bits & 1:
-            raise AdcsError(f"{member} is encrypted: pack it without")
-        try:
-            return self._zip.read(info)
-        except Exception as error:  # of zipfile, zlib or the file system
-            raise AdcsError(f"{member} cannot be unpacked ({' '.join(str(error).split())}): pack it again") from error
-
 
 @dataclass(frozen=True)
 class Home:
     """A system structure in its archive: what the sources in it are relative to."""
 
-    archive: Archive
+    archive: SspArchive
     structure: str
 
     def locate(self, source: str, what: str) -> str:

@@ -34,7 +34,7 @@ def export_command(
     """
     from orchestration.ssp.read import read_ssp
     from orchestration.ssp.write import write_ssp
-    from orchestration.words import assigned
+    from orchestration.words import assigned, sizes_first
     from studies.registry import SYSTEMS
 
     start_time = 0.0
@@ -54,7 +54,7 @@ def export_command(
     target = file or Path(f"{system}.ssp")
     if target.suffix != ".ssp":
         raise AdcsError(f"{target} does not end in .ssp: write adcs export SYSTEM --ssp FILE.ssp")
-    for assignment in set_ or []:
+    for assignment in sizes_first(built, set_ or []):
         built.set(*assigned(built, assignment))
     write_ssp(
         built,

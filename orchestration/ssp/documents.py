@@ -7,6 +7,7 @@ import re
 from lxml import etree
 
 from fmus.errors import AdcsError
+from fmus.xml import parse as read_xml
 from orchestration.ssp.schemas import NAMESPACES, ROOTS, Kind, Version, schema
 
 ADCS = "urn:adcs-fmus:ssp"
@@ -30,25 +31,7 @@ def local_name(element: etree._Element) -> str:
 
 def parse(content: bytes, name: str, kind: Kind) -> etree._Element:
     """Parse a document that has a file of its own; AdcsError names the file."""
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise AdcsError(f"{name} is not in UTF-8, which SSP asks for ({error.reason}): save it so") from None
-    # Entities are defined in a document type declaration: without one nothing can be expanded or fetched.
-    if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise AdcsError(f"{name} has a document type declaration, which SSP does not use: refused, take it out")
-    parser = etree.XMLParser(
-        encoding="utf-8",
-        resolve_entities=False,
-        no_network=True,
-        remove_blank_text=True,
-        remove_comments=True,
-        remove_pis=True,
-    )
-    try:
-        root = etree.fromstring(text.encode(), parser)
-    except etree.XMLSyntaxError as error:
-        raise AdcsError(f"{name} is not well-formed XML ({_line(error)}): correct it") from None
+    root = read_xml(content, name, utf8_only=True, bare=True)
     check(root, name, kind)
     return root
 

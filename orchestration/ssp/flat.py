@@ -126,7 +126,7 @@ def _by_units(system: System, wire: Wire) -> bool:
     (source, output), (target, input_) = system.port(wire.source), system.port(wire.target)
     fmus = system.components[source].fmu, system.components[target].fmu
     try:
-        scale = conversion(fmus[0], output.unit, fmus[1], input_.unit)
+        scale = conversion(fmus[0], output.unit, fmus[1], input_.unit, (output.relative, input_.relative))
     except AdcsError:
         return False
     wanted = wire.route.transformation

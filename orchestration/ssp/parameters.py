@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -49,9 +49,16 @@ class Values:
 class Bindings:
     """Reads the bindings of all elements, the higher levels after the lower ones, over which they take precedence."""
 
-    def __init__(self, parts: Mapping[tuple[str, ...], Part], shapes: Mapping[Any, tuple[int, ...]]) -> None:
+    def __init__(
+        self,
+        parts: Mapping[tuple[str, ...], Part],
+        shapes: Mapping[Any, tuple[int, ...]],
+        relative: Collection[Place] = (),
+    ) -> None:
+        """`relative` are the places of systems' connectors that take differences."""
         self.parts = parts
         self.shapes = shapes
+        self.relative = relative
         self.values = Values()
         self._applied: dict[tuple[str, str], bool] = {}
         self._messages: dict[tuple[str, str], str] = {}
@@ -78,6 +85,8 @@ class Bindings:
         root, where = _content(bound.home, binding, "ParameterValues", _SET, "ssv", where)
         prefix = binding.get("prefix", "")
         units, enumerations = of_document(root, "ssv"), enumerations_in(root, "ssv")
+        if not binding.get("source"):  # what is inside of the structure knows what the structure defines
+            units, enumerations = {**bound.units, **units}, {**bound.enumerations, **enumerations}
         parameters: dict[str, Parameter] = {}
         for child in root.iterfind(f"{tag('ssv', 'Parameters')}/{tag('ssv', 'Parameter')}"):
             name = f"{prefix}{child.get('name')}"
@@ -147,12 +156,15 @@ class Bindings:
             size *= n
         if len(parameter.values) != size:
             raise AdcsError(f"{label} has {len(parameter.values)} values, connector {name} takes {size}")
-        transformation = _transformation(parameter, connector.unit, connector.items, label)
+        unit, given = connector.unit, parameter.unit
+        if Place(system.path, name, 0) in self.relative:
+            unit, given = unit and unit.of_difference(), given and given.of_difference()
+        transformation = _transformation(parameter, unit, connector.items, label)
         for index, value in enumerate(parameter.values):
             place = Place(system.path, name, index)
             number = _item(value, parameter, connector.items, label)
             self.values.given[place] = transformation.apply(number)
-            self.values.units[place] = None if parameter.suppress else parameter.unit
+            self.values.units[place] = None if parameter.suppress else given
 
 
 def _content(
@@ -256,7 +268,8 @@ def _transformation(parameter: Parameter, unit: Unit | None, items: Items | None
     try:
         found = Transformation()
         if parameter.unit is not None and unit is not None and not parameter.suppress:
-            found = found.then(scale(parameter.unit, unit))
+            given = parameter.unit.of_difference() if unit.relative else parameter.unit
+            found = found.then(scale(given, unit))
         if parameter.transformation is not None:
             own = transformation_in(parameter.transformation, parameter.items or items, items)
             if own is not None:

@@ -57,7 +57,8 @@ class Part:
         own = of_fmu(self.fmu, port.unit)
         connector = self.element.connectors.get(port.name) or self.element.connectors.get(port.elements[place.index])
         given = None if connector is None else connector.unit
-        return given if own is None or (own.base is None and given is not None) else own
+        unit = given if own is None or (own.base is None and given is not None) else own
+        return unit.of_difference() if unit is not None and port.relative else unit
 
     def check(self) -> None:
         """Check that each connector is a variable of the FMU, of the same kind, type, size and unit."""

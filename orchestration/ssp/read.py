@@ -11,7 +11,8 @@ import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration.fmu import Port, open_fmu
-from orchestration.ssp.archive import STRUCTURE, Archive, Home
+from orchestration.seeds import seeds_of
+from orchestration.ssp.archive import STRUCTURE, Home, SspArchive
 from orchestration.ssp.documents import tag, version_of, whole_number
 from orchestration.ssp.experiment import read_experiment
 from orchestration.ssp.flat import connect, make_wires
@@ -45,20 +46,21 @@ def read_ssp(path: str | Path, *, structure: str = STRUCTURE, ignore_unknown_par
     anything that cannot be run as the file says.
     """
     path = Path(path)
-    with Archive(path) as archive:
+    with SspArchive(path) as archive:
         try:
             return _read(path, archive, structure, refuse_unknown=not ignore_unknown_parameters)
         except AdcsError as error:
-            raise AdcsError(f"{path.name}: {' '.join(str(error).split())}") from error
+            text = " ".join(str(error).split()).removeprefix(f"{path}: ")
+            raise AdcsError(f"{path.name}: {text}") from error
 
 
-def _read(path: Path, archive: Archive, structure: str, *, refuse_unknown: bool) -> SspFile:
+def _read(path: Path, archive: SspArchive, structure: str, *, refuse_unknown: bool) -> SspFile:
     home = Home(archive, archive.locate(structure, "the system structure"))
     document = home.document()
     root = read_structure(home)
     parts = {part.element.path: part for part in map(_part, root.components())}
     wiring = Wiring(root, parts)
-    values = Bindings(parts, wiring.shapes).read(root, refuse_unknown=refuse_unknown)
+    values = Bindings(parts, wiring.shapes, wiring.relative).read(root, refuse_unknown=refuse_unknown)
     routes = wiring.routes(values.units)
     starts, links = _settled(routes, parts, values.given)
 
@@ -146,10 +148,13 @@ def _start_values(
 ) -> dict[str, Any]:
     """Return the start values of a component's variables as arrays, without those that a connection overrides.
 
-    An input for which there is neither a connection nor a value keeps the FMU's own, as SSP has it.
+    An input for which there is neither a connection nor a value keeps the FMU's own, as SSP has it; and so does a
+    seed, which a system would otherwise choose: the noise is that of any other tool that reads the file.
     """
     path = part.element.path
     names = dict.fromkeys(place.name for place in given if (path, place.name) not in overridden)
+    for seed in seeds_of(part.fmu.ports.values()):
+        names.setdefault(seed.name)
     reached = {(place.name, place.index) for place in connected}
     for port in part.fmu.ports.values():
         open_ = any((port.name, i) not in reached for i in range(port.size))

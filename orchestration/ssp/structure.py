@@ -57,10 +57,12 @@ class Link:
 
 @dataclass(frozen=True)
 class Binding:
-    """A parameter binding, and the structure to which its sources are relative."""
+    """A parameter binding, the structure to which its sources are relative, and what that defines."""
 
     xml: etree._Element
     home: Home
+    units: Mapping[str, Unit]
+    enumerations: Mapping[str, Items]
 
 
 @dataclass
@@ -224,7 +226,10 @@ def _common(
         if connector.name in connectors:
             raise AdcsError(f"two connectors have the name {_dotted(path, connector.name)}: rename one of them")
         connectors[connector.name] = connector
-    return connectors, [Binding(child, context.home) for child in _children(xml, "ParameterBindings")]
+    return connectors, [
+        Binding(child, context.home, context.units, context.enumerations)
+        for child in _children(xml, "ParameterBindings")
+    ]
 
 
 def _connector(xml: etree._Element, context: _Context) -> Connector:

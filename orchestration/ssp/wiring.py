@@ -56,6 +56,8 @@ class Wiring:
         for system in self.systems.values():
             for link in system.links:
                 self._add(system, link)
+        self.relative = self._relative()
+        """The places of systems' connectors through which differences pass (relativeQuantity)."""
 
     def routes(self, units: Mapping[Place, Unit | None]) -> list[Route]:
         """Return the ways into all components, in the order of the document.
@@ -200,7 +202,18 @@ class Wiring:
         if place.path in self.parts:
             return self.parts[place.path].unit(place)
         own = self.systems[place.path].connectors[place.name].unit
-        return own if own is not None else units.get(place)
+        unit = own if own is not None else units.get(place)
+        return unit.of_difference() if unit is not None and place in self.relative else unit
+
+    def _relative(self) -> set[Place]:
+        found: set[Place] = set()
+        for target in self.feeds:
+            if target.path in self.parts:
+                places = [*(feed.source for feed in self._follow(target)), target]
+                ends = [self.parts[p.path].fmu.ports[p.name] for p in places if p.path in self.parts]
+                if any(port.relative for port in ends):
+                    found.update(places)
+        return {place for place in found if place.path not in self.parts}
 
     def _items(self, place: Place) -> Items | None:
         if place.path in self.parts:

@@ -15,7 +15,6 @@ using Weights = Eigen::Matrix<T, n_directions, 1>;
 /// Directions known in N, of any length, as unit vectors in B: row j is C_BN x_j / |x_j|.
 template <class T>
 Directions<T> seen(const Mat3<T>& C_BN, const Directions<T>& x_N) {
-    using std::sqrt;
     Directions<T> y_B;
     for (int j = 0; j < n_directions; ++j) {
         const Vec3<T> x = x_N.row(j);
@@ -46,21 +45,9 @@ Vec3<T> cross_sum(const Weights<T>& k, const Directions<T>& y, const Directions<
     return sum;
 }
 
-/// What is wrong with known directions, or nullptr: any row that counts must be a direction.
-inline const char* direction_fault(const Directions<double>& x_N) {
-    for (int j = 0; j < n_directions; ++j) {
-        if (!(x_N.row(j).squaredNorm() > 0.0)) {
-            return "directions_N has a row [0 0 0], but three directions are expected: repeat one, and give it the "
-                   "weight 0 where it shall not count";
-        }
-    }
-    return nullptr;
-}
-
 /// What keeps an attitude from being told by directions of these weights, or nullptr.
 inline const char* attitude_fault(const Directions<double>& x_N, const Weights<double>& k) {
     constexpr double collinear = 1e-6;  // sin^2 of the angle: 0.06 deg
-    if (const char* fault = direction_fault(x_N); fault != nullptr) return fault;
     int counting = 0;
     bool apart = false;
     for (int j = 0; j < n_directions; ++j) {

@@ -2,14 +2,12 @@
 // multiply and add, its SSE path does not), no contraction by the compiler. No allocation, no stream code.
 #pragma once
 
+#include "math/functions.hpp"
+
 #define EIGEN_DONT_VECTORIZE
 #define EIGEN_DONT_PARALLELIZE
 #define EIGEN_NO_IO
 #define EIGEN_NO_DEBUG
-
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#endif
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

@@ -9,8 +9,8 @@ namespace adcs {
 inline Vec3<double> gaussian(Random& random) {
     Vec3<double> x;
     for (int i = 0; i < 3; ++i) {
-        const double radius = std::sqrt(-2.0 * std::log(1.0 - random.uniform()));
-        x[i] = radius * std::cos(6.2831853071795865 * random.uniform());
+        const double radius = sqrt(-2.0 * log(1.0 - random.uniform()));
+        x[i] = radius * cos(6.2831853071795865 * random.uniform());
     }
     return x;
 }

@@ -2,7 +2,6 @@
 // and the laws that feed it forward. r is the position of the centre of mass relative to the centre of the Earth.
 #pragma once
 
-#include <cmath>
 #include <limits>
 
 #include "attitude/eigen.hpp"
@@ -15,7 +14,6 @@ inline constexpr double earth_equatorial_radius = 6378137.0;
 /// Height of r above a sphere. Below its surface not a number, so that the adaptor refuses to go on and names the output.
 template <class T>
 T height_above(const Vec3<T>& r, const T& radius) {
-    using std::sqrt;
     const T height = sqrt(r.dot(r)) - radius;
     return height < 0.0 ? T(std::numeric_limits<double>::quiet_NaN()) : height;
 }
@@ -23,7 +21,6 @@ T height_above(const Vec3<T>& r, const T& radius) {
 /// Acceleration of a point mass, -mu r / |r|^3.
 template <class T>
 Vec3<T> point_mass_gravity(const T& mu, const Vec3<T>& r) {
-    using std::sqrt;
     const T square = r.dot(r);
     return -mu / (square * sqrt(square)) * r;
 }
@@ -31,7 +28,6 @@ Vec3<T> point_mass_gravity(const T& mu, const Vec3<T>& r) {
 /// Gravity-gradient torque 3 mu / |r|^5 r x J r; r, J and the torque in B.
 template <class T>
 Vec3<T> gravity_gradient_torque(const T& mu, const Mat3<T>& J_B, const Vec3<T>& r_B) {
-    using std::sqrt;
     const T square = r_B.dot(r_B);
     const Vec3<T> moment = r_B.cross(J_B * r_B);
     return 3.0 * mu / (square * square * sqrt(square)) * moment;
@@ -41,7 +37,6 @@ Vec3<T> gravity_gradient_torque(const T& mu, const Mat3<T>& J_B, const Vec3<T>& 
 /// -3 mu / (2 |r|^4) [(tr J) I + 2 J - 5 (Z.JZ) I] Z with Z = r/|r|; r, J and the force in B.
 template <class T>
 Vec3<T> gravity_gradient_force(const T& mu, const Mat3<T>& J_B, const Vec3<T>& r_B) {
-    using std::sqrt;
     const T square = r_B.dot(r_B);
     const Vec3<T> Z = r_B / sqrt(square);
     const Vec3<T> J_Z = J_B * Z;

@@ -1,8 +1,6 @@
 // Inertia that is unknown or changes with time.
 #pragma once
 
-#include <cmath>
-
 #include "attitude/eigen.hpp"
 
 namespace adcs {
@@ -60,7 +58,6 @@ Vec3<T> angular_acceleration(const Mat3<T>& J, const Mat3<T>& JDot, const Vec3<T
 /// |v|, with derivative 0 at v = 0, where it has none.
 template <class T>
 T norm_of(const Vec3<T>& v) {
-    using std::sqrt;
     const T square = v.dot(v);
     return square > 0.0 ? sqrt(square) : square;
 }

@@ -1,7 +1,6 @@
 // The Lyapunov equation of a linear system of order 3, and whether such a system is stable.
 #pragma once
 
-#include <cmath>
 #include <utility>
 
 #include "attitude/eigen.hpp"
@@ -11,7 +10,6 @@ namespace adcs {
 /// x with A x = b, A invertible, by Gaussian elimination with pivoting.
 template <class T, int N>
 Eigen::Matrix<T, N, 1> eliminate(Eigen::Matrix<T, N, N> A, Eigen::Matrix<T, N, 1> b) {
-    using std::abs;
     for (int k = 0; k < N; ++k) {
         int pivot = k;
         for (int i = k + 1; i < N; ++i) pivot = abs(A(i, k)) > abs(A(pivot, k)) ? i : pivot;

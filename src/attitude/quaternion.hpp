@@ -2,6 +2,8 @@
 // components of a vector in N to its components in B.
 #pragma once
 
+#include <cstdint>
+
 #include "attitude/eigen.hpp"
 
 namespace adcs {
@@ -36,6 +38,33 @@ Quat<T> relative(const Quat<T>& q_BN, const Quat<T>& q_RN) {
     const Vec3<T> r = vec(q_RN);
     const Vec3<T> v = q_RN[0] * b - q_BN[0] * r - r.cross(b);
     return {q_BN[0] * q_RN[0] + b.dot(r), v[0], v[1], v[2]};
+}
+
+/// Of q and -q, which are one attitude, the one nearer to another quaternion: the smaller turn from it. That term of 0
+/// changes no bit; it lets the model structure show that the sign depends on the other.
+template <class T>
+Quat<T> nearest(const Quat<T>& q, const Quat<T>& to) {
+    const T product = q.dot(to);
+    const T sign = 0.0 * product + (product < 0.0 ? -1.0 : 1.0);
+    return sign * q;
+}
+
+/// The attitude error q_BR. Laws that bring it to [1 0 0 0] turn B by less than 180 degrees if its scalar part is positive,
+/// else the long way round. With `short_way` 0 the sign is what the signs of q_BN and q_RN make it; with 1 the scalar part
+/// is never negative.
+template <class T>
+Quat<T> attitude_error(const Quat<T>& q_BN, const Quat<T>& q_RN, std::int32_t short_way) {
+    const Quat<T> q_BR = relative(q_BN, q_RN);
+    return short_way != 0 && q_BR[0] < 0.0 ? Quat<T>(-q_BR) : q_BR;
+}
+
+/// Declares `short_way` of a law that uses attitude_error().
+template <class V>
+void declare_short_way(V& v, std::int32_t& short_way) {
+    v.parameter("short_way", short_way, "1: of the attitude error q and -q the shorter turn; 0: the sign as given")
+        .fixed()
+        .at_least(0)
+        .at_most(1);
 }
 
 /// The quaternion q_BN with C(q_BN) = C(q_BR) C(q_RN).

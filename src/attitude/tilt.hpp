@@ -9,7 +9,6 @@ namespace adcs {
 /// on the sphere the side is uniform; the tangent plane of v needs no basis. v itself where beta or d is zero.
 template <class T>
 Vec3<T> tilted(const Vec3<T>& v, const Vec3<T>& a, const T& versine) {
-    using std::sqrt;
     const Vec3<T> d = a.cross(v);
     if (!(versine > 0.0 && d.dot(d) > 0.0)) return v;
     const T sine = sqrt(versine * (2.0 - versine));

@@ -26,6 +26,8 @@
 /// $$\dot V = -k_v\,\lVert\omega_e\rVert^2 - \beta\,\lVert q_{e,v}\rVert^2$$
 ///
 /// and with the projection $\dot V$ is at most that.
+///
+/// **Sign.** What AdaptiveTracking says of $q_e$ and $-q_e$, and of `short_way`, holds here too.
 #pragma once
 
 #include "controllers/appendage_compensation.hpp"

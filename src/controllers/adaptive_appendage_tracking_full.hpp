@@ -15,6 +15,8 @@
 /// $$V = \tfrac12 s^T J s + (\beta + k_v)\left[q_{e,v}^T q_{e,v} + (q_{e0} - 1)^2\right] +
 ///   \tfrac{1}{2\gamma_1}\lVert\hat\theta - \theta\rVert^2 + \tfrac{1}{2\gamma_2}\lVert\hat J_1 - J_1\rVert_F^2$$
 /// $$\dot V = -k_v\,\lVert\omega_e\rVert^2 - \beta\,\lVert q_{e,v}\rVert^2$$
+///
+/// **Sign.** What AdaptiveTracking says of $q_e$ and $-q_e$, and of `short_way`, holds here too.
 #pragma once
 
 #include "controllers/appendage_compensation.hpp"

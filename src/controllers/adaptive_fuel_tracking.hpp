@@ -32,6 +32,8 @@
 /// with equality where the projection does not act. With the printed gains the loop is stiff: the adaptation oscillates
 /// at 100 rad/s and more, and the projection acts at up to 5000 1/s. Solve it in coupled Model Exchange with an implicit
 /// method. For co-simulation set `max_internal_step` to 0.1 ms and exchange every millisecond or more often.
+///
+/// **Sign.** What AdaptiveTracking says of $q_e$ and $-q_e$, and of `short_way`, holds here too.
 #pragma once
 
 #include "controllers/fuel_compensation.hpp"

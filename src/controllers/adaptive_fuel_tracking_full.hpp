@@ -8,6 +8,8 @@
 ///
 /// with the symbols explained there, and the Frobenius norm of $\hat J_1$ in the projection. It needs no assumption
 /// about the tank; with so many parameters the estimate does not become the true $J_1$.
+///
+/// **Sign.** What AdaptiveTracking says of $q_e$ and $-q_e$, and of `short_way`, holds here too.
 #pragma once
 
 #include "controllers/fuel_compensation.hpp"

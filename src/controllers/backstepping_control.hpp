@@ -22,7 +22,6 @@
 /// one nearer to the reference.
 #pragma once
 
-#include "attitude/definite.hpp"
 #include "attitude/gravity_gradient.hpp"
 #include "attitude/mrp.hpp"
 #include "controllers/command_filter.hpp"
@@ -69,9 +68,9 @@ struct BacksteppingControl {
                 "estimate of the disturbance torque, in B")
             .nominal(1e-4);
         v.parameter("J0_B", J0_B, unit::kg_m2, "J_0, inertia that the law assumes, in B").inertia();
-        v.parameter("c_1", c_1, unit::one_per_s, "gain of the attitude error");
-        v.parameter("c_2", c_2, unit::one_per_s, "gain of the rate error");
-        v.parameter("K", K, unit::one_per_s, "nonlinear damping; 0: the standard law");
+        v.parameter("c_1", c_1, unit::one_per_s, "gain of the attitude error").positive_definite();
+        v.parameter("c_2", c_2, unit::one_per_s, "gain of the rate error").positive_definite();
+        v.parameter("K", K, unit::one_per_s, "nonlinear damping; 0: the standard law").positive_semidefinite();
         v.parameter("orbital_rate", orbital_rate, unit::rad_per_s, "n, rate of the circular orbit").at_least(0);
         v.parameter("rate_limit", rate_limit, unit::rad_per_s, "largest commanded angular velocity").above(0);
         v.parameter("acceleration_limit", acceleration_limit, unit::rad_per_s2,
@@ -159,15 +158,6 @@ struct BacksteppingControl {
         z_1_bar_B = z_1_bar;
         z_2_bar_B = z_2_bar;
         acceleration_expected_B = expected;
-    }
-
-    const char* validate() const {
-        if (!positive_definite(c_1))
-            return "c_1 is not symmetric and positive definite: the attitude error would not decay";
-        if (!positive_definite(c_2))
-            return "c_2 is not symmetric and positive definite: the rate error would not decay";
-        if (!positive_semidefinite(K)) return "K is not symmetric and positive semidefinite: it would not damp";
-        return nullptr;
     }
 };
 

@@ -19,7 +19,6 @@ T ball_level(const Eigen::Matrix<T, N, 1>& offset, const T& eta, const T& eps) {
 template <class T, int N>
 Eigen::Matrix<T, N, 1> project(const Eigen::Matrix<T, N, 1>& offset, const Eigen::Matrix<T, N, 1>& y, const T& eta,
                                const T& eps) {
-    using std::abs;
     const T d = ball_level(offset, eta, eps), outward = offset.dot(y);
     const T d_positive = 0.5 * (d + abs(d)), outward_positive = 0.5 * (outward + abs(outward));
     return y - d_positive * outward_positive / ((1.0 + eps * d_positive) * eta * eta) * offset;

@@ -29,6 +29,11 @@
 /// $$V = \tfrac12\lVert\tilde\omega\rVert^2 + \tfrac{1}{2\gamma}\lVert\hat\theta-\theta\rVert^2
 ///   + \tfrac{1}{2\gamma_p}\lVert\hat\theta_p-\theta_p\rVert^2, \qquad \dot V = -k\,\lVert\tilde\omega\rVert^2$$
 ///
+/// **Sign.** The law brings $\delta\hat q$ to $[1\ 0\ 0\ 0]$, so from $\hat q_4 < 0$ it turns B by more than 180 degrees though a smaller
+/// turn would do. With `short_way` 1 it takes that of $\delta\hat q$ and $-\delta\hat q$ with $\hat q_4 \ge 0$; where $\hat q_4$ falls
+/// through 0, $V$ then jumps down by $2\lambda\,\hat q^T\delta\hat\omega > 0$, and the torque jumps too. The bounds of
+/// the paper are proven for `short_way` 0.
+///
 /// In print the projection returns $v$ instead of $y$ where it does not act, and the radii of the balls read
 /// $\sqrt{1+\varepsilon\eta}$. The law jumps at the edge of the dead zone, in the rates of the estimates only.
 #pragma once
@@ -51,6 +56,7 @@ struct BoundedAdaptiveTracking {
     Mat3<T> J_B{{21.0, 0.0, 0.0}, {0.0, 16.5, 0.0}, {0.0, 0.0, 14.5}};
     T k = 0.3, lambda = 0.05, gamma = 20.0, gamma_p = 0.02, dead_zone = 1e-3;
     T eta = 0.35, eta_p = 0.015, epsilon = 0.1, epsilon_p = 0.1;
+    std::int32_t short_way = 0;
     Vec18<T> theta_offset = Vec18<T>::Constant(0.0), thetaDot_offset = theta_offset, theta_est = theta_offset;
     Vec6<T> theta_p_offset = Vec6<T>::Constant(0.0), thetaDot_p_offset = theta_p_offset, theta_p_est = theta_p_offset;
     T theta_level = 0.0, theta_p_level = 0.0;
@@ -88,6 +94,7 @@ struct BoundedAdaptiveTracking {
                     "the estimate stays within sqrt(1 + epsilon_p) eta_p of theta_p*")
             .fixed()
             .above(0);
+        declare_short_way(v, short_way);
         v.state("theta_offset", theta_offset, thetaDot_offset, unit::one, "estimate of theta less theta*").nominal(0.1);
         v.state("theta_p_offset", theta_p_offset, thetaDot_p_offset, unit::one_per_kg_m2,
                 "estimate of theta_p less theta_p*")
@@ -108,7 +115,7 @@ struct BoundedAdaptiveTracking {
     }
 
     void outputs() {
-        q_BR = relative(q_BN, q_RN);
+        q_BR = attitude_error(q_BN, q_RN, short_way);
         const Vec3<T> q = vec(q_BR);
         const Mat3<T> C = dcm(q_BR);
         const Vec3<T> omega_d = C * omega_RN_R;
@@ -138,7 +145,6 @@ struct BoundedAdaptiveTracking {
     /// sqrt(5/3) is the largest norm of a symmetric matrix whose six elements have norm 1: 1 on and 2 off the diagonal,
     /// scaled.
     const char* validate() const {
-        using std::sqrt;
         const T reach = sqrt(5.0 / 3.0 * (1.0 + epsilon_p)) * eta_p;
         // lambda_min(P*) > reach, that is, 1 / reach - J_B is positive definite: its leading minors are positive
         const Mat3<T> M = Mat3<T>::Identity() / reach - J_B;

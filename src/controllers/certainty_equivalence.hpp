@@ -18,8 +18,8 @@ struct TrackingError {
     Vec3<T> s;     ///< omega_e + q_ev
 
     TrackingError(const Quat<T>& q_BN, const Vec3<T>& omega_BN_B, const Quat<T>& q_RN, const Vec3<T>& omega_RN_R,
-                  const Vec3<T>& omegaDot_RN_R) {
-        q_BR = relative(q_BN, q_RN);
+                  const Vec3<T>& omegaDot_RN_R, std::int32_t short_way) {
+        q_BR = attitude_error(q_BN, q_RN, short_way);
         const Mat3<T> C_BR = dcm(q_BR);
         const Vec3<T> omega_RN_B = C_BR * omega_RN_R;
         omega_BR_B = omega_BN_B - omega_RN_B;
@@ -38,6 +38,7 @@ struct CertaintyEquivalence {
     Quat<T> q_BN{1.0, 0.0, 0.0, 0.0}, q_RN{1.0, 0.0, 0.0, 0.0};
     Vec3<T> omega_BN_B{0.0, 0.0, 0.0}, omega_RN_R{0.0, 0.0, 0.0}, omegaDot_RN_R{0.0, 0.0, 0.0};
     T beta = 20.0, k_v = 24.5, gamma_1 = 60.0;
+    std::int32_t short_way = 0;
     T theta_bound = 1e6, theta_margin = 1e6;  // never reached: no projection
     Vec6<T> theta_est{{21.1, 1.9, 1.4, 17.8, 2.9, 15.5}}, theta_estDot{{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}};
     Vec3<T> torque_B{0.0, 0.0, 0.0}, omega_BR_B{0.0, 0.0, 0.0};
@@ -62,6 +63,7 @@ struct CertaintyEquivalence {
                     "root of delta_1: the square of the norm stays below theta_bound^2 + theta_margin^2")
             .above(0)
             .nominal(10.0);
+        declare_short_way(v, short_way);
         v.state("theta_est", theta_est, theta_estDot, unit::kg_m2,
                 "estimate of the constant part of the inertia, in B: J11, J12, J13, J22, J23, J33")
             .nominal(10.0);
@@ -71,7 +73,7 @@ struct CertaintyEquivalence {
     }
 
 protected:
-    TrackingError<T> tracking_error() const { return {q_BN, omega_BN_B, q_RN, omega_RN_R, omegaDot_RN_R}; }
+    TrackingError<T> tracking_error() const { return {q_BN, omega_BN_B, q_RN, omega_RN_R, omegaDot_RN_R, short_way}; }
 
     /// The error outputs, and the part of Eq. (3.20) that every law has: -beta q_ev - k_v omega_e - W_1 theta_est.
     Vec3<T> feedback(const TrackingError<T>& e) {

@@ -8,7 +8,6 @@ namespace adcs {
 /// x, shortened to the length `limit` where it is longer (C.8).
 template <class T>
 Vec3<T> saturated(const Vec3<T>& x, const T& limit) {
-    using std::sqrt;
     const T square = x.dot(x);
     return square > limit * limit ? Vec3<T>(limit / sqrt(square) * x) : x;
 }

@@ -11,7 +11,6 @@ namespace adcs {
 /// 1 - |v|^2 is not taken below 1e-3; whoever runs the law watches its output `implementability`.
 template <class T>
 T implicit_norm(const Vec3<T>& tau, const Vec3<T>& v) {
-    using std::sqrt;
     const T along = tau.dot(v), room = 1.0 - v.dot(v);
     const T d = room > 1e-3 ? room : T(1e-3);
     const T square = along * along + d * tau.dot(tau);

@@ -26,7 +26,6 @@
 /// at the start.
 #pragma once
 
-#include "attitude/definite.hpp"
 #include "attitude/directions.hpp"
 #include "attitude/lyapunov.hpp"
 #include "fmi/declaration.hpp"
@@ -57,15 +56,16 @@ struct GyroFreeStabilization {
 
     template <class V>
     void declare(V& v) {
-        v.input("directions_B", directions_B, unit::one, "y_j, unit vectors measured in B, a row for each");
-        v.parameter("directions_N", directions_N, unit::one, "x_j, the same directions in N").fixed();
+        v.input("directions_B", directions_B, unit::one, "y_j, unit vectors measured in B, a row for each")
+            .unit_vectors();
+        v.parameter("directions_N", directions_N, unit::one, "x_j, the same directions in N").fixed().directions();
         v.parameter("weights", weights, unit::one, "k_j; 0: the vector does not count").at_least(0);
         v.parameter("q_RN", q_RN, unit::one, "attitude to come to rest at, R relative to N").unit_quaternion();
         v.parameter("k_p", k_p, unit::N_m, "attitude gain").above(0);
         v.parameter("k_z", k_z, unit::kg_m2, "damping gain").above(0);
         v.parameter("A_m", A_m, unit::one_per_s, "filter matrix; its eigenvalues have negative real parts").fixed();
         v.parameter("B", B, unit::one_per_s, "filter input matrix, invertible").fixed();
-        v.parameter("Q", Q, unit::one_per_s, "how V decreases; symmetric and positive definite").fixed();
+        v.parameter("Q", Q, unit::one_per_s, "how V decreases").fixed().positive_definite();
         v.parameter("filter_at_rest", filter_at_rest, "1: zDot(0) = 0, from the first measurement; 0: z(0) = z_0")
             .fixed()
             .at_least(0)
@@ -105,9 +105,8 @@ struct GyroFreeStabilization {
 
     const char* validate() const {
         if (!hurwitz(A_m)) return "A_m is not Hurwitz: all its eigenvalues must have negative real parts";
-        if (!(std::abs(B.determinant()) > 1e-9 * std::pow(B.norm(), 3))) return "B is singular: it must be invertible";
-        if (!positive_definite(Q))
-            return "Q is not positive definite: a symmetric matrix of positive eigenvalues is expected";
+        const double size = B.norm();
+        if (!(abs(B.determinant()) > 1e-9 * size * size * size)) return "B is singular: it must be invertible";
         return attitude_fault(directions_N, weights);
     }
 

@@ -16,6 +16,10 @@
 ///
 /// $$\eta = \dot\omega_f + k_w\,\omega_f + k_p\,q_{e,v} + J^{-1}W_f z, \qquad \dot\eta = -\alpha\,\eta, \qquad
 ///   \tfrac{d}{dt}\tfrac12\lVert z\rVert^2 = \gamma\,(W_f z)^T\left(\eta - J^{-1}W_f z\right)$$
+///
+/// **Sign.** The law brings $q_e$ to $[1\ 0\ 0\ 0]$, so from $q_{e0} < 0$ it turns B by more than 180 degrees though a smaller
+/// turn would do. It has no `short_way`: $\dot\eta = -\alpha\,\eta$ needs a $q_{e,v}$ that does not jump. Give $q_{RN}$ the
+/// sign with which $q_{e0}(0) \ge 0$.
 #pragma once
 
 #include "controllers/certainty_equivalence.hpp"
@@ -63,7 +67,7 @@ struct NonCertaintyEquivalenceTracking {
     }
 
     void outputs() {
-        const TrackingError<T> e(q_BN, omega_BN_B, q_RN, omega_RN_R, omegaDot_RN_R);
+        const TrackingError<T> e(q_BN, omega_BN_B, q_RN, omega_RN_R, omegaDot_RN_R, 0);
         q_BR = e.q_BR;
         omega_BR_B = e.omega_BR_B;
         theta_sum = theta_est + gamma * (W_f.transpose() * omega_f);
@@ -72,7 +76,7 @@ struct NonCertaintyEquivalenceTracking {
     }
 
     void derivatives() {
-        const TrackingError<T> e(q_BN, omega_BN_B, q_RN, omega_RN_R, omegaDot_RN_R);
+        const TrackingError<T> e(q_BN, omega_BN_B, q_RN, omega_RN_R, omegaDot_RN_R, 0);
         const Regressor W = W_c(e);
         const T alpha = k_p + k_w;
         theta_estDot =

@@ -9,6 +9,11 @@
 ///
 /// $$V_c = k_p\left[(1 - q_{e0})^2 + q_{e,v}^T q_{e,v}\right] + \tfrac12\,\omega_e^T J\omega_e, \qquad
 ///   \dot V_c = -k_v\,\lVert\omega_e\rVert^2$$
+///
+/// **Sign.** The law brings $q_e$ to $[1\ 0\ 0\ 0]$, so from $q_{e0} < 0$ it turns B by more than 180 degrees though a smaller
+/// turn would do. With `short_way` 1 it takes that of $q_e$ and $-q_e$ with $q_{e0} \ge 0$; $V_c$ then has
+/// $1 - \lvert q_{e0}\rvert$ in place of $1 - q_{e0}$ in $2 k_p (1 - q_{e0})$, its first term, and still does not jump or
+/// grow; the torque jumps by $2 k_p\,q_{e,v}$ where $q_{e0} = 0$, at which noise can keep it busy.
 #pragma once
 
 #include "fmi/declaration.hpp"
@@ -25,6 +30,7 @@ struct PdTracking {
     Vec3<T> omega_BN_B{0.0, 0.0, 0.0}, omega_RN_R{0.0, 0.0, 0.0}, omegaDot_RN_R{0.0, 0.0, 0.0};
     Mat3<T> J_B{{10.0, 1.2, 0.5}, {1.2, 19.0, 1.5}, {0.5, 1.5, 25.0}};
     T k_p = 1.5, k_v = 5.0;
+    std::int32_t short_way = 0;
     Vec3<T> torque_B{0.0, 0.0, 0.0}, omega_BR_B{0.0, 0.0, 0.0};
     Quat<T> q_BR{1.0, 0.0, 0.0, 0.0};
 
@@ -39,13 +45,14 @@ struct PdTracking {
         v.parameter("J_B", J_B, unit::kg_m2, "inertia that the law assumes, in B").inertia();
         v.parameter("k_p", k_p, unit::N_m, "attitude gain").above(0);
         v.parameter("k_v", k_v, unit::N_m_s, "rate gain").above(0);
+        declare_short_way(v, short_way);
         v.output("torque_B", torque_B, unit::N_m, "commanded torque, in B");
         v.output("q_BR", q_BR, unit::one, "attitude error, B relative to R").unit_quaternion();
         v.output("omega_BR_B", omega_BR_B, unit::rad_per_s, "rate error, B relative to R, in B").nominal(0.1);
     }
 
     void outputs() {
-        q_BR = relative(q_BN, q_RN);
+        q_BR = attitude_error(q_BN, q_RN, short_way);
         const Mat3<T> C_BR = dcm(q_BR);
         const Vec3<T> omega_RN_B = C_BR * omega_RN_R;
         omega_BR_B = omega_BN_B - omega_RN_B;

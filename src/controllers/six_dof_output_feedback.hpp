@@ -18,6 +18,9 @@
 ///   - (k - 1)\,y^T\hat M y + y^T\chi_1 + e_R^T\chi_2$$
 ///
 /// where $\chi_1, \chi_2$ (47) are what the missing velocities cost.
+///
+/// **Sign.** $q$ and $-q$ are answered alike, if $p(0)$ goes with them: the gain grows without bound towards 180 degrees, so
+/// the smaller turn is taken.
 #pragma once
 
 #include "attitude/gravity.hpp"

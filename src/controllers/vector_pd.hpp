@@ -32,9 +32,10 @@ struct VectorPd {
 
     template <class V>
     void declare(V& v) {
-        v.input("directions_B", directions_B, unit::one, "y_j, unit vectors measured in B, a row for each");
+        v.input("directions_B", directions_B, unit::one, "y_j, unit vectors measured in B, a row for each")
+            .unit_vectors();
         v.input("omega_BN_B", omega_BN_B, unit::rad_per_s, "angular velocity of B relative to N, in B").nominal(0.1);
-        v.parameter("directions_N", directions_N, unit::one, "x_j, the same directions in N").fixed();
+        v.parameter("directions_N", directions_N, unit::one, "x_j, the same directions in N").fixed().directions();
         v.parameter("weights", weights, unit::one, "k_j; 0: the vector does not count").at_least(0);
         v.parameter("q_RN", q_RN, unit::one, "attitude to come to rest at, R relative to N").unit_quaternion();
         v.parameter("k_p", k_p, unit::N_m, "attitude gain").above(0);

@@ -12,6 +12,10 @@
 ///
 /// $$V_0 = a\left[\delta q_v^T\delta q_v + (\delta q_0 - 1)^2\right] + \tfrac12\,\delta\omega^T J\,\delta\omega
 ///   + \tfrac b2\,\dot\sigma^T\dot\sigma, \qquad \dot V_0 = -b\,\lVert\dot\sigma\rVert^2$$
+///
+/// **Sign.** The law brings $\delta\hat q$ to $[1\ 0\ 0\ 0]$, so from $\delta\hat q_0 < 0$ it turns B by more than 180 degrees
+/// though a smaller turn would do. It has no `short_way`: the filter would take a change of sign for a motion. Give $q_r$ the
+/// sign with which $\delta\hat q_0(0) \ge 0$.
 #pragma once
 
 #include "fmi/declaration.hpp"

@@ -62,7 +62,6 @@ struct EnvironmentTorque {
     }
 
     void outputs() {
-        using std::sqrt;
         altitude = height_above(r_BN_N, earth_radius);
         const Mat3<T> C_BN = dcm(q_BN);
         gravity_gradient_B = gravity_gradient_torque<T>(mu, J_B, C_BN * r_BN_N);

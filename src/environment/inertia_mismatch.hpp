@@ -33,7 +33,7 @@ struct InertiaMismatch {
 
     template <class V>
     void declare(V& v) {
-        v.input("sigma_BO", sigma_BO, unit::one, "attitude of B relative to O as MRP");
+        v.input("sigma_BO", sigma_BO, unit::one, "attitude of B relative to O as MRP").at_least(-1).at_most(1);
         v.input("omega_BN_B", omega_BN_B, unit::rad_per_s, "angular velocity of B relative to N, in B").nominal(0.01);
         v.input("torque_control_B", torque_control_B, unit::N_m, "T_c, control torque on the body, in B");
         v.parameter("J_B", J_B, unit::kg_m2, "true inertia, in B").inertia();

@@ -47,12 +47,13 @@ struct OscillatingPayload {
     template <class V>
     void declare(V& v) {
         v.time(time);
-        v.input("sigma_BO", sigma_BO, unit::one, "attitude of B relative to O as MRP");
+        v.input("sigma_BO", sigma_BO, unit::one, "attitude of B relative to O as MRP").at_least(-1).at_most(1);
         v.input("omega_BN_B", omega_BN_B, unit::rad_per_s, "angular velocity of B relative to N, in B").nominal(0.01);
         v.input("torque_control_B", torque_control_B, unit::N_m, "T_c, control torque on the body, in B");
         v.parameter("J0_B", J0_B, unit::kg_m2, "J_0, inertia of the body with the part at angle_0, in B").inertia();
         v.parameter("J_A", J_A, unit::kg_m2,
-                    "principal moments of the part about its own centre; axis 3 is that of the swing");
+                    "principal moments of the part about its own centre; axis 3 is that of the swing")
+            .above(0);
         v.parameter("euler", euler, unit::rad, "theta_1, theta_2, theta_3 that turn B into A', in the order 3-2-1")
             .fixed();
         v.parameter("amplitude", amplitude, unit::rad, "A, amplitude of the swing");
@@ -69,30 +70,25 @@ struct OscillatingPayload {
     SampleTimes sample_times() const { return {value_of(period), 0.0}; }
     void sample(std::int64_t /*k*/) { held_torque_B = torque(); }
     void outputs() {
-        using std::sin;
         angle = amplitude * sin(6.2831853071795865 / swing_period * time);
         torque_B = period > 0.0 ? held_torque_B : torque();
     }
 
-    const char* validate() const {
-        return J_A.minCoeff() > 0.0 ? nullptr : "J_A has an element of 0 or below, but moments of inertia are expected";
-    }
-
 private:
     static Mat3<T> turn(int axis, const T& angle) {
-        using std::cos, std::sin;
         const int i = (axis + 1) % 3, j = (axis + 2) % 3;
         Mat3<T> R = Mat3<T>::Identity();
-        R(i, i) = R(j, j) = cos(angle);
-        R(i, j) = sin(angle);
-        R(j, i) = -sin(angle);
+        const auto [s, c] = sincos(angle);
+        R(i, i) = R(j, j) = c;
+        R(i, j) = s;
+        R(j, i) = -s;
         return R;
     }
 
     Vec3<T> torque() const {
-        using std::cos, std::sin;
         const T frequency = 6.2831853071795865 / swing_period, phase = frequency * time;
-        const T theta = amplitude * sin(phase), thetaDot = amplitude * frequency * cos(phase);
+        const auto [s, c] = sincos(phase);
+        const T theta = amplitude * s, thetaDot = amplitude * frequency * c;
         const T thetaDDot = -frequency * frequency * theta;
         const Mat3<T> C_BP = (turn(0, euler[0]) * turn(1, euler[1]) * turn(2, euler[2])).transpose();
         const Vec3<T> a = C_BP.col(2);

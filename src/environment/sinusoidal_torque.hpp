@@ -35,7 +35,6 @@ struct SinusoidalTorque {
     }
 
     void outputs() {
-        using std::sin;
         for (int i = 0; i < 3; ++i) {
             torque_B[i] = torque_bias[i] + torque_amplitude[i] * sin(torque_frequency[i] * time + torque_phase[i]);
         }

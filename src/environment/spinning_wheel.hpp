@@ -34,7 +34,7 @@ struct SpinningWheel {
     void declare(V& v) {
         v.time(time);
         v.input("omega_BN_B", omega_BN_B, unit::rad_per_s, "angular velocity of B relative to N, in B").nominal(0.01);
-        v.parameter("axis", axis, unit::one, "direction of a, the spin axis in B").fixed();
+        v.parameter("axis", axis, unit::one, "direction of a, the spin axis in B").fixed().directions();
         v.parameter("inertia", inertia, unit::kg_m2, "J_s, inertia about the spin axis").above(0);
         v.parameter("speed", speed, unit::rad_per_s, "Omega_0, spin rate relative to B at t = 0");
         v.parameter("acceleration", acceleration, unit::rad_per_s2, "alpha, change of the spin rate");
@@ -52,13 +52,8 @@ struct SpinningWheel {
         torque_B = period > 0.0 ? held_torque_B : torque();
     }
 
-    const char* validate() const {
-        return axis.dot(axis) > 0.0 ? nullptr : "axis is [0, 0, 0], but a direction is expected";
-    }
-
 private:
     Vec3<T> spin(const T& rate) const {
-        using std::sqrt;
         const Vec3<T> a = axis / sqrt(axis.dot(axis));
         return rate * (inertia * a + J_offset_B * a);
     }

@@ -14,8 +14,17 @@ namespace adcs {
 enum class Type : std::uint8_t { float64, int32 };
 enum class Causality : std::uint8_t { independent, parameter, input, output, local };
 enum class Variability : std::uint8_t { fixed, tunable, discrete, continuous };
-enum class Role : std::uint8_t { plain, state, derivative, held };
-enum class Kind : std::uint8_t { any, unit_quaternion, inertia };
+enum class Role : std::uint8_t { plain, state, derivative, held, seed };
+/// A condition on a variable as a whole, beyond bounds of its elements; what each means is said in conditions.hpp.
+enum class Kind : std::uint8_t {
+    any,
+    unit_quaternion,
+    unit_vectors,
+    directions,
+    inertia,
+    positive_definite,
+    positive_semidefinite,
+};
 
 struct Variable {
     const char* name;
@@ -61,8 +70,16 @@ public:
     Refine& fixed() { return v_.variability = Variability::fixed, *this; }
     /// Must have norm 1; a start value is normalised.
     Refine& unit_quaternion() { return v_.kind = Kind::unit_quaternion, *this; }
+    /// Each row, or the vector, must have norm 1, as exactly as a quaternion; a start value is normalised.
+    Refine& unit_vectors() { return v_.kind = Kind::unit_vectors, *this; }
+    /// Each row, or the vector, must have a direction: it may have any length but 0.
+    Refine& directions() { return v_.kind = Kind::directions, *this; }
     /// Must be symmetric, positive definite and satisfy the triangle inequality of principal moments.
     Refine& inertia() { return v_.kind = Kind::inertia, *this; }
+    /// Must be symmetric, with positive eigenvalues.
+    Refine& positive_definite() { return v_.kind = Kind::positive_definite, *this; }
+    /// Must be symmetric, without negative eigenvalues.
+    Refine& positive_semidefinite() { return v_.kind = Kind::positive_semidefinite, *this; }
 
 private:
     Variable& v_;
@@ -93,6 +110,13 @@ public:
     Refine parameter(const char* name, std::int32_t& x, const char* description) {
         return Refine(append(
             {name, description, &unit::one, &x, 0, 0, 0, 1, Type::int32, Causality::parameter, Variability::tunable}));
+    }
+    /// The seed of what sample() draws from the component's stream. It is declared as such so that whoever puts several
+    /// components of a kind into one system can tell by more than a name which parameter has to differ.
+    Refine seed(const char* name, std::int32_t& x, const char* description) {
+        Refine refine = parameter(name, x, description).fixed().at_least(0);
+        table_.variables[table_.count - 1].role = Role::seed;
+        return refine;
     }
     /// A continuous state, which is an output too, and its time derivative `der(name)`.
     template <class X>

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <memory>
 
+#include "fmi/conditions.hpp"
 #include "fmi/instance.hpp"
 #include "fmi/trace.hpp"
 
@@ -91,8 +92,17 @@ void print_start(const Variable& v) {
     });
 }
 
-/// Per element the value references it depends on. During the run the knowns are time, inputs and continuous states;
-/// at initialization also the parameters.
+/// Whether an unknown depends on element e of a known. What is normalised at initialization depends on all elements of it.
+bool depends(const Bits& unknown, const Variable& known, std::uint32_t e, bool at_initialization) {
+    const bool start_value = known.causality == Causality::parameter || known.role == Role::state;
+    if (!at_initialization || !start_value || !is_normalised(known.kind)) return unknown.set[known.vr + e];
+    for (std::uint32_t other = 0; other < known.size; ++other) {
+        if (unknown.set[known.vr + other]) return true;
+    }
+    return false;
+}
+
+/// Per element the value references it depends on: of time, inputs, continuous states and parameters.
 void print_dependencies(const Table& table, const Dependencies& found, const Variable& v, bool at_initialization) {
     if ((v.causality != Causality::output && v.role != Role::derivative) ||
         (at_initialization && v.role == Role::state)) {
@@ -103,9 +113,8 @@ void print_dependencies(const Table& table, const Dependencies& found, const Var
         bool first = true;
         std::putchar('[');
         for (const Variable& k : table) {
-            const bool known = at_initialization || k.causality != Causality::parameter;
-            for (std::uint32_t e = 0; known && e < k.size; ++e) {
-                if (!found[v.vr + i].set[k.vr + e]) continue;
+            for (std::uint32_t e = 0; e < k.size; ++e) {
+                if (!depends(found[v.vr + i], k, e, at_initialization)) continue;
                 std::printf(first ? "%u" : ", %u", k.vr + e);
                 first = false;
             }
@@ -114,7 +123,7 @@ void print_dependencies(const Table& table, const Dependencies& found, const Var
     });
 }
 
-void print_variable(const Table& table, const Dependencies& found, const Variable& v) {
+void print_variable(const Table& table, const Dependencies& found, const Dependencies& at_start, const Variable& v) {
     const bool is_derivative = v.role == Role::derivative;
     char text[128];
     std::printf("{\"name\": ");
@@ -135,14 +144,17 @@ void print_variable(const Table& table, const Dependencies& found, const Variabl
     print_key("min_excluded");
     std::printf(std::isfinite(v.above) ? "true" : "false");
     print_field("max", v.max);
+    print_field("condition", condition(v.kind));
     print_field("nominal", v.nominal == 1.0 ? std::nan("") : v.nominal);
     std::snprintf(text, sizeof text, "time derivative of %s", v.name);
     print_field("description", is_derivative ? text : v.description);
+    print_key("is_seed");
+    std::printf(v.role == Role::seed ? "true" : "false");
     print_field("derivative_of", is_derivative ? table.variables[v.derivative_of].vr : std::nan(""));
     print_key("dependencies");
     print_dependencies(table, found, v, false);
     print_key("initial_dependencies");
-    print_dependencies(table, found, v, true);
+    print_dependencies(table, at_start, v, true);
     std::putchar('}');
 }
 
@@ -198,6 +210,8 @@ int main() {
         }
     }
     const Description description = describe_model();
+    Dependencies at_start = description.dependencies;
+    for (std::size_t i = 0; i < at_start.size(); ++i) at_start[i] = at_start[i] + description.at_start[i];
     char token[40]{};
     make_token(*model, token);
 
@@ -233,7 +247,7 @@ int main() {
     print_key("variables");
     print_list(static_cast<std::size_t>(table.count), [&](std::size_t i) {
         std::printf("\n ");
-        print_variable(table, description.dependencies, table.variables[i]);
+        print_variable(table, description.dependencies, at_start, table.variables[i]);
     });
     std::printf("}\n");
     return 0;

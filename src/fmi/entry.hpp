@@ -28,10 +28,19 @@ inline Instance* enter(void* handle, unsigned modes, Interface interface, const 
     return nullptr;
 }
 
+/// Whether none of the pointers through which a function answers is NULL; else the log says so.
+template <class... Pointers>
+bool given(Instance* instance, const char* function, const Pointers*... pointers) {
+    if (((pointers != nullptr) && ...)) return true;
+    instance->null_pointer(function);
+    return false;
+}
+
 /// For the types of which no component has variables.
 inline Status none_of_type(void* handle, const char* function, std::size_t n, const std::uint32_t* vrs) {
     Instance* instance = enter(handle, mode_any, function);
     if (instance == nullptr) return Status::error;
+    if (n != 0 && vrs == nullptr) return instance->null_pointer(function);
     return n == 0 ? Status::ok : instance->error("%s: value reference %u has another type", function, vrs[0]);
 }
 

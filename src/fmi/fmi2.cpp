@@ -24,7 +24,6 @@ void write_log(void* context, Status status, const char* category, const char* m
 }
 
 fmi2Status to_fmi(Status status) { return static_cast<fmi2Status>(status); }
-std::byte* bytes_of(fmi2FMUstate state) { return static_cast<std::byte*>(state); }
 
 }  // namespace
 
@@ -121,29 +120,25 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate* state) {
     Instance* instance = enter(c, mode_any, "fmi2GetFMUstate");
-    return instance == nullptr ? fmi2Error : to_fmi(instance->save_new(state));
+    return instance == nullptr ? fmi2Error : to_fmi(instance->save_new("fmi2GetFMUstate", state));
 }
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
     Instance* instance = enter(c, mode_any, "fmi2SetFMUstate");
-    return instance == nullptr ? fmi2Error
-                               : to_fmi(instance->restore("fmi2SetFMUstate", bytes_of(state), instance->state_size()));
+    return instance == nullptr ? fmi2Error : to_fmi(instance->restore("fmi2SetFMUstate", state));
 }
 fmi2Status fmi2FreeFMUstate(fmi2Component /*c*/, fmi2FMUstate* state) {
-    if (state == nullptr) return fmi2OK;
-    std::free(*state);
-    *state = nullptr;
+    Instance::free_state(state);
     return fmi2OK;
 }
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate /*state*/, size_t* size) {
     Instance* instance = enter(c, mode_any, "fmi2SerializedFMUstateSize");
-    if (instance == nullptr) return fmi2Error;
+    if (instance == nullptr || !given(instance, "fmi2SerializedFMUstateSize", size)) return fmi2Error;
     *size = instance->state_size();
     return fmi2OK;
 }
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
     Instance* instance = enter(c, mode_any, "fmi2SerializeFMUstate");
-    return instance == nullptr ? fmi2Error
-                               : to_fmi(instance->serialize("fmi2SerializeFMUstate", bytes_of(state), bytes, size));
+    return instance == nullptr ? fmi2Error : to_fmi(instance->serialize("fmi2SerializeFMUstate", state, bytes, size));
 }
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate* state) {
     Instance* instance = enter(c, mode_any, "fmi2DeSerializeFMUstate");
@@ -169,7 +164,7 @@ fmi2Status fmi2EnterEventMode(fmi2Component c) {
 }
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo* info) {
     Instance* instance = enter(c, mode_event, Interface::model_exchange, "fmi2NewDiscreteStates");
-    if (instance == nullptr) return fmi2Error;
+    if (instance == nullptr || !given(instance, "fmi2NewDiscreteStates", info)) return fmi2Error;
     bool defined = false;
     double next = 0.0;
     const Status status = instance->update_discrete_states(&defined, &next);
@@ -187,8 +182,9 @@ fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
 }
 fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean /*noSetFMUStatePriorToCurrentPoint*/,
                                        fmi2Boolean* enter_event_mode, fmi2Boolean* terminate) {
-    if (enter(c, mode_continuous, Interface::model_exchange, "fmi2CompletedIntegratorStep") == nullptr)
-        return fmi2Error;
+    constexpr auto function = "fmi2CompletedIntegratorStep";
+    Instance* instance = enter(c, mode_continuous, Interface::model_exchange, function);
+    if (instance == nullptr || !given(instance, function, enter_event_mode, terminate)) return fmi2Error;
     *enter_event_mode = *terminate = fmi2False;
     return fmi2OK;
 }
@@ -239,7 +235,7 @@ fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind, fmi2Status*) {
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real* value) {
     if (kind != fmi2LastSuccessfulTime) return to_fmi(not_supported(c, "fmi2GetRealStatus"));
     Instance* instance = enter(c, mode_step | mode_terminated, Interface::co_simulation, "fmi2GetRealStatus");
-    if (instance == nullptr) return fmi2Error;
+    if (instance == nullptr || !given(instance, "fmi2GetRealStatus", value)) return fmi2Error;
     *value = instance->time();
     return fmi2OK;
 }

@@ -23,7 +23,6 @@ void write_log(void* context, Status status, const char* category, const char* m
 }
 
 fmi3Status to_fmi(Status status) { return static_cast<fmi3Status>(status); }
-std::byte* bytes_of(fmi3FMUState state) { return static_cast<std::byte*>(state); }
 
 fmi3Instance instantiate(Interface interface, fmi3String name, fmi3String token, fmi3Boolean logging,
                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback log) {
@@ -158,29 +157,25 @@ fmi3Status fmi3SetClock(fmi3Instance i, const fmi3ValueReference vr[], size_t n,
 
 fmi3Status fmi3GetFMUState(fmi3Instance i, fmi3FMUState* state) {
     Instance* instance = enter(i, mode_any, "fmi3GetFMUState");
-    return instance == nullptr ? fmi3Error : to_fmi(instance->save_new(state));
+    return instance == nullptr ? fmi3Error : to_fmi(instance->save_new("fmi3GetFMUState", state));
 }
 fmi3Status fmi3SetFMUState(fmi3Instance i, fmi3FMUState state) {
     Instance* instance = enter(i, mode_any, "fmi3SetFMUState");
-    return instance == nullptr ? fmi3Error
-                               : to_fmi(instance->restore("fmi3SetFMUState", bytes_of(state), instance->state_size()));
+    return instance == nullptr ? fmi3Error : to_fmi(instance->restore("fmi3SetFMUState", state));
 }
 fmi3Status fmi3FreeFMUState(fmi3Instance /*i*/, fmi3FMUState* state) {
-    if (state == nullptr) return fmi3OK;
-    std::free(*state);
-    *state = nullptr;
+    Instance::free_state(state);
     return fmi3OK;
 }
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance i, fmi3FMUState /*state*/, size_t* size) {
     Instance* instance = enter(i, mode_any, "fmi3SerializedFMUStateSize");
-    if (instance == nullptr) return fmi3Error;
+    if (instance == nullptr || !given(instance, "fmi3SerializedFMUStateSize", size)) return fmi3Error;
     *size = instance->state_size();
     return fmi3OK;
 }
 fmi3Status fmi3SerializeFMUState(fmi3Instance i, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
     Instance* instance = enter(i, mode_any, "fmi3SerializeFMUState");
-    return instance == nullptr ? fmi3Error
-                               : to_fmi(instance->serialize("fmi3SerializeFMUState", bytes_of(state), bytes, size));
+    return instance == nullptr ? fmi3Error : to_fmi(instance->serialize("fmi3SerializeFMUState", state, bytes, size));
 }
 fmi3Status fmi3DeserializeFMUState(fmi3Instance i, const fmi3Byte bytes[], size_t size, fmi3FMUState* state) {
     Instance* instance = enter(i, mode_any, "fmi3DeserializeFMUState");
@@ -239,7 +234,10 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance i, fmi3Boolean* needs_update, f
                                     fmi3Boolean* nominals_changed, fmi3Boolean* values_changed,
                                     fmi3Boolean* next_event_defined, fmi3Float64* next_event) {
     Instance* instance = enter(i, mode_event, Interface::model_exchange, "fmi3UpdateDiscreteStates");
-    if (instance == nullptr) return fmi3Error;
+    if (instance == nullptr || !given(instance, "fmi3UpdateDiscreteStates", needs_update, terminate, nominals_changed,
+                                      values_changed, next_event_defined, next_event)) {
+        return fmi3Error;
+    }
     bool defined = false;
     double next = 0.0;
     const Status status = instance->update_discrete_states(&defined, &next);
@@ -254,8 +252,9 @@ fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance i) {
 }
 fmi3Status fmi3CompletedIntegratorStep(fmi3Instance i, fmi3Boolean /*noSetFMUStatePriorToCurrentPoint*/,
                                        fmi3Boolean* enter_event_mode, fmi3Boolean* terminate) {
-    if (enter(i, mode_continuous, Interface::model_exchange, "fmi3CompletedIntegratorStep") == nullptr)
-        return fmi3Error;
+    constexpr auto function = "fmi3CompletedIntegratorStep";
+    Instance* instance = enter(i, mode_continuous, Interface::model_exchange, function);
+    if (instance == nullptr || !given(instance, function, enter_event_mode, terminate)) return fmi3Error;
     *enter_event_mode = *terminate = fmi3False;
     return fmi3OK;
 }
@@ -285,13 +284,14 @@ fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance i, fmi3Float64 nominal
     return instance == nullptr ? fmi3Error : to_fmi(instance->get_nominals(nominals, n));
 }
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance i, size_t* n) {
-    if (enter(i, mode_any, "fmi3GetNumberOfEventIndicators") == nullptr) return fmi3Error;
+    Instance* instance = enter(i, mode_any, "fmi3GetNumberOfEventIndicators");
+    if (instance == nullptr || !given(instance, "fmi3GetNumberOfEventIndicators", n)) return fmi3Error;
     *n = 0;
     return fmi3OK;
 }
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance i, size_t* n) {
     Instance* instance = enter(i, mode_any, "fmi3GetNumberOfContinuousStates");
-    if (instance == nullptr) return fmi3Error;
+    if (instance == nullptr || !given(instance, "fmi3GetNumberOfContinuousStates", n)) return fmi3Error;
     *n = instance->states();
     return fmi3OK;
 }
@@ -307,7 +307,10 @@ fmi3Status fmi3DoStep(fmi3Instance i, fmi3Float64 time, fmi3Float64 step,
                       fmi3Boolean /*noSetFMUStatePriorToCurrentPoint*/, fmi3Boolean* event_needed,
                       fmi3Boolean* terminate, fmi3Boolean* early_return, fmi3Float64* last_successful_time) {
     Instance* instance = enter(i, mode_step, Interface::co_simulation, "fmi3DoStep");
-    if (instance == nullptr) return fmi3Error;
+    if (instance == nullptr ||
+        !given(instance, "fmi3DoStep", event_needed, terminate, early_return, last_successful_time)) {
+        return fmi3Error;
+    }
     const Status status = instance->do_step(time, step);
     *event_needed = *terminate = *early_return = fmi3False;
     *last_successful_time = instance->time();

@@ -6,12 +6,14 @@
 #include <cstring>
 #include <new>
 
+#include "fmi/conditions.hpp"
+
 namespace adcs {
 namespace {
 
-constexpr double norm_tolerance = 0.02;   // of |q|^2: further from 1 than this is a mistake, not round-off
 constexpr double clock_tolerance = 1e-9;  // of a period: how exactly a communication point must hit a sample instant
-constexpr std::uint32_t state_magic = 0x53434441;  // "ADCS", little-endian
+/// The Runge-Kutta method turns a quaternion by slightly too little, in radians per second; above this a spin is reported.
+constexpr double spin_error_bound = 1.7453292519943296e-4;  // 0.01 deg/s
 
 double* floats(const Variable& v) { return static_cast<double*>(v.data); }
 std::int32_t* integers(const Variable& v) { return static_cast<std::int32_t*>(v.data); }
@@ -23,46 +25,6 @@ bool all_finite(const Value* values, std::size_t n) {
     double zero = 0.0;
     for (std::size_t i = 0; i < n; ++i) zero += 0.0 * static_cast<double>(values[i]);
     return zero == 0.0;
-}
-
-double squared_norm(const Variable& v) {
-    double sum = 0.0;
-    for (std::uint32_t i = 0; i < v.size; ++i) sum += floats(v)[i] * floats(v)[i];
-    return sum;
-}
-
-bool is_unit(const Variable& quaternion) { return std::fabs(squared_norm(quaternion) - 1.0) <= norm_tolerance; }
-
-void normalise(const Variable& quaternion) {
-    double* q = floats(quaternion);
-    const double length = std::sqrt(squared_norm(quaternion));
-    if (length == 1.0) return;
-    for (std::uint32_t i = 0; i < quaternion.size; ++i) q[i] /= length;
-}
-
-/// What is wrong with an inertia matrix, or nullptr. The triangle inequality of the principal moments says that
-/// 1/2 tr(J) I - J, the second moment of the mass distribution, has no negative eigenvalue.
-const char* inertia_fault(const double* J) {
-    const double scale = std::fabs(J[0]) + std::fabs(J[4]) + std::fabs(J[8]);
-    const double tolerance = 1e-9 * scale;
-    if (std::fabs(J[1] - J[3]) > tolerance || std::fabs(J[2] - J[6]) > tolerance ||
-        std::fabs(J[5] - J[7]) > tolerance) {
-        return "is not symmetric";
-    }
-    const auto principal_minors_above = [](const double* A, double bound1, double bound2, double bound3) {
-        const double minor = A[0] * A[4] - A[1] * A[3];
-        const double determinant = A[0] * (A[4] * A[8] - A[5] * A[7]) - A[1] * (A[3] * A[8] - A[5] * A[6]) +
-                                   A[2] * (A[3] * A[7] - A[4] * A[6]);
-        return A[0] > bound1 && minor > bound2 && determinant > bound3;
-    };
-    if (!principal_minors_above(J, 0.0, 0.0, 0.0)) return "is not positive definite";
-    const double half_trace = 0.5 * (J[0] + J[4] + J[8]);
-    double S[9];
-    for (int i = 0; i < 9; ++i) S[i] = (i % 4 == 0 ? half_trace + tolerance : 0.0) - J[i];
-    if (!principal_minors_above(S, 0.0, 0.0, 0.0)) {
-        return "violates the triangle inequality: no principal moment may exceed the sum of the other two";
-    }
-    return nullptr;
 }
 
 void destroy_model(Model* model) {  // made by make_model() in memory from malloc
@@ -130,12 +92,10 @@ Instance* Instance::create(const char* name, const char* token, Interface interf
         return nullptr;
     }
     auto* instance = new (memory) Instance(name == nullptr ? "" : name, interface, log, model);
-    char expected[40]{};
-    make_token(*model, expected);
     bool good = instance->memory_ != nullptr;
-    if (token == nullptr || std::strcmp(token, expected) != 0) {
+    if (token == nullptr || std::strcmp(token, instance->token_) != 0) {
         instance->error("token '%.60s' refused: modelDescription.xml and binary do not belong together, expected '%s'",
-                        token == nullptr ? "" : token, expected);
+                        token == nullptr ? "" : token, instance->token_);
         good = false;
     }
     if (name == nullptr || *name == '\0') {
@@ -152,14 +112,14 @@ Instance* Instance::create(const char* name, const char* token, Interface interf
 Instance::Instance(const char* name, Interface interface, const Log& log, Model* model)
     : interface_(interface), log_(log), model_(model) {
     std::snprintf(name_, sizeof name_, "%s", name);
+    make_token(*model_, token_);
     model_->reset();
     for (const Variable& v : table()) {
         if (v.role == Role::state) n_states_ += v.size;
         if (v.role == Role::held) n_held_ += v.size;
         if (v.causality == Causality::output) n_outputs_ += v.size;
-        if (v.kind != Kind::unit_quaternion) continue;
-        if (v.causality == Causality::input) ++n_unit_inputs_;
-        if (v.role == Role::state) ++n_unit_states_;
+        if (v.causality == Causality::input && v.kind != Kind::any) ++n_checked_inputs_;
+        if (v.role == Role::state && v.kind == Kind::unit_quaternion) ++n_unit_states_;
     }
     n_scalars_ = table().next_vr;
     std::size_t size = 0;
@@ -174,24 +134,26 @@ Instance::Instance(const char* name, Interface interface, const Log& log, Model*
         cut(scalars_, n_scalars_);
         cut(directional_, 2 * std::size_t{n_scalars_});
         cut(held_, n_held_);
-        cut(unit_inputs_, n_unit_inputs_);
+        cut(before_, n_states_);
+        cut(checked_inputs_, n_checked_inputs_);
         cut(unit_states_, n_unit_states_);
         cut(states_, n_states_);
         cut(outputs_, n_outputs_);
+        cut(backup_, state_size());
     };
     cut_all();
     memory_ = std::calloc(1, size);
     if (memory_ == nullptr) return;
     cut_all();
 
-    std::size_t state = 0, rate = 0, output = 0, unit_input = 0, unit_state = 0;
+    std::size_t state = 0, rate = 0, output = 0, checked_input = 0, unit_state = 0;
     for (const Variable& v : table()) {
         const bool computed = v.causality == Causality::output || v.causality == Causality::local;
         const bool input = v.causality == Causality::input, parameter = v.causality == Causality::parameter;
         const bool early = input || parameter || v.role == Role::state;
         const bool running = input || (parameter && v.variability == Variability::tunable);
-        if (input && v.kind == Kind::unit_quaternion) unit_inputs_[unit_input++] = &v;
-        if (v.role == Role::state && v.kind == Kind::unit_quaternion) unit_states_[unit_state++] = &v;
+        if (input && v.kind != Kind::any) checked_inputs_[checked_input++] = &v;
+        if (v.role == Role::state && v.kind == Kind::unit_quaternion) unit_states_[unit_state++] = {&v, state};
         const bool bounded = std::isfinite(v.above) || std::isfinite(v.min) || std::isfinite(v.max);
         const bool plain = input && v.type == Type::float64 && !bounded;
         const unsigned traits = trait_of(v.type) | (computed ? trait_computed : 0U) |
@@ -250,6 +212,13 @@ void Instance::event(const char* format, ...) {
     va_end(arguments);
 }
 
+void Instance::warning(const char* format, ...) {
+    std::va_list arguments;
+    va_start(arguments, format);
+    message(Status::warning, log_categories[1].name, format, arguments);
+    va_end(arguments);
+}
+
 bool Instance::refuse(const char* function) {
     const char* now = mode_ == mode_instantiated     ? "before initialization"
                       : mode_ == mode_initialization ? "in initialization mode"
@@ -262,8 +231,10 @@ bool Instance::refuse(const char* function) {
 }
 
 Status Instance::set_debug_logging(bool on, std::size_t n, const char* const* categories) {
+    if (n != 0 && categories == nullptr) return null_pointer("set debug logging");
     bool events = n == 0;
     for (std::size_t i = 0; i < n; ++i) {
+        if (categories[i] == nullptr) return null_pointer("set debug logging");
         bool known = false;
         for (const LogCategory& c : log_categories) known = known || std::strcmp(categories[i], c.name) == 0;
         if (!known) return error("log category '%.60s' is not known", categories[i]);
@@ -291,12 +262,55 @@ Status Instance::enter_initialization() {
     return Status::ok;
 }
 
-void Instance::start_clock() {
+Status Instance::start_clock() {
     clock_ = model_->sample_times();
-    const double passed = clock_.period > 0.0 ? (time_ - clock_.offset) / clock_.period : 0.0;
-    // A run that starts between two instants takes the earlier one's sample at its start: nothing is held unset.
-    next_sample_ = passed > 0.0 ? static_cast<std::int64_t>(std::floor(passed + clock_tolerance)) : 0;
+    next_sample_ = 0;
+    if (clock_.period > 0.0) {
+        if (Status status = resolves(time_); status != Status::ok) return status;
+        const double passed = (time_ - clock_.offset) / clock_.period;
+        // A run that starts between two instants takes the earlier one's sample at its start: nothing is held unset.
+        if (passed > 0.0) next_sample_ = static_cast<std::int64_t>(std::floor(passed + clock_tolerance));
+    }
     at_sample_ = sample_due(time_);
+    return Status::ok;
+}
+
+/// Whether two sample instants in a row differ at that time; the index of one then has room in a double, and in 64 bits.
+Status Instance::resolves(double time) {
+    if (clock_.period >= 4.5e-16 * std::fabs(time)) return Status::ok;  // quickly: two units in the last place of time
+    const double resolution = std::nextafter(std::fabs(time), HUGE_VAL) - std::fabs(time);
+    if (clock_.period >= 2.0 * resolution) return Status::ok;
+    return error("at t = %g: the sampling period of %g s is below the resolution of time, which is %.2g s there: %s",
+                 time, clock_.period, resolution, "let it start nearer to t = 0, or sample less often");
+}
+
+/// The parameter that is the sampling period, to name it.
+const char* Instance::period_name() const {
+    for (const Variable& v : table()) {
+        if (v.causality == Causality::parameter && v.unit == &unit::s && v.size == 1 && *floats(v) == clock_.period) {
+            return v.name;
+        }
+    }
+    return "the sampling period";
+}
+
+/// Whether what lies between two times can be computed in reasonable time.
+Status Instance::fits_budget(double from, double to) {
+    const double span = to - from;
+    if (n_states_ != 0 && !(span <= step_budget * *max_internal_step_)) {
+        return error(
+            "a step of %g s needs %.3g internal steps, at most %g are taken: %s, or raise max_internal_step = %g "
+            "to %.2g",
+            span, span / *max_internal_step_, step_budget, "take smaller steps", *max_internal_step_,
+            1.01 * span / step_budget);
+    }
+    if (!(clock_.period > 0.0)) return Status::ok;
+    if (!(span <= step_budget * clock_.period)) {
+        return error("a step of %g s needs %.3g samples, at most %g are taken: %s, or raise %s = %g to %.2g", span,
+                     span / clock_.period, step_budget, "take smaller steps", period_name(), clock_.period,
+                     1.01 * span / step_budget);
+    }
+    return resolves(to);
 }
 
 Status Instance::exit_initialization() {
@@ -314,12 +328,13 @@ Status Instance::terminate() {
 Status Instance::reset() {
     model_->reset();
     mode_ = mode_instantiated;
-    time_ = stop_time_ = 0.0;
-    stop_defined_ = at_sample_ = false;
+    stop_time_ = 0.0;
+    stop_defined_ = at_sample_ = spin_reported_ = false;
     clock_ = SampleTimes{};
     next_sample_ = 0;
     copy_held(held_, true);
-    outputs_fresh_ = derivatives_fresh_ = parameters_checked_ = inputs_checked_ = false;
+    move_to(0.0);
+    parameters_checked_ = inputs_checked_ = false;
     return Status::ok;
 }
 
@@ -387,6 +402,7 @@ Status Instance::check_references(const char* function, const std::uint32_t* vrs
 template <Addressing A, class Value>
 Status Instance::get_values(const char* function, const std::uint32_t* vrs, std::size_t n, Value* values,
                             std::size_t n_values) {
+    if ((vrs == nullptr && n != 0) || (values == nullptr && n_values != 0)) return null_pointer(function);
     unsigned traits = 0;
     const unsigned other_type = type_of(Value{}) == Type::float64 ? trait_int32 : trait_float64;
     if (!scan<A>(vrs, n, n_values, &traits) || (traits & other_type) != 0) {
@@ -456,6 +472,7 @@ Status Instance::check_values(const char* function, const std::uint32_t* vrs, st
 template <Addressing A, class Value>
 Status Instance::set_values(const char* function, const std::uint32_t* vrs, std::size_t n, const Value* values,
                             std::size_t n_values) {
+    if ((vrs == nullptr && n != 0) || (values == nullptr && n_values != 0)) return null_pointer(function);
     // What an importer sets in its loop are finite values of plain inputs: nothing else needs a closer look.
     unsigned traits = 0;
     const bool plain = type_of(Value{}) == Type::float64 && scan<A>(vrs, n, n_values, &traits) &&
@@ -491,59 +508,43 @@ Status Instance::check_parameters() {
         const bool start_value =
             v.causality == Causality::parameter || (v.role == Role::state && (mode_ & mode_initialization) != 0);
         if (!start_value) continue;
-        if (v.kind == Kind::inertia) {
-            if (const char* fault = inertia_fault(floats(v)); fault != nullptr) {
-                const double* J = floats(v);
-                return error("%s = [%g %g %g; %g %g %g; %g %g %g] %s", v.name, J[0], J[1], J[2], J[3], J[4], J[5], J[6],
-                             J[7], J[8], fault);
-            }
-        } else {
-            if (!is_unit(v)) {
-                return error("%s has norm %g: a unit quaternion is expected, scalar first", v.name,
-                             std::sqrt(squared_norm(v)));
-            }
-            normalise(v);
-        }
+        char fault[320];
+        if (!meets_condition(v, fault, sizeof fault)) return error("%s", fault);
+        if (is_normalised(v.kind)) normalise(v);
     }
     if (const char* fault = model_->validate(); fault != nullptr) return error("%s", fault);
+    if ((mode_ & mode_initialization) != 0) {
+        if (Status status = start_clock(); status != Status::ok) return status;
+    }
     parameters_checked_ = true;
-    if ((mode_ & mode_initialization) != 0) start_clock();
     return Status::ok;
 }
 
 Status Instance::check_inputs() {
     if (inputs_checked_) return Status::ok;
-    for (std::size_t i = 0; i < n_unit_inputs_; ++i) {
-        const Variable& v = *unit_inputs_[i];
-        if (!is_unit(v)) {
-            return error("at t = %g: input %s has norm %g: a unit quaternion is expected, scalar first", time_, v.name,
-                         std::sqrt(squared_norm(v)));
-        }
+    for (std::size_t i = 0; i < n_checked_inputs_; ++i) {
+        char fault[320];
+        if (is_unit(*checked_inputs_[i]) || meets_condition(*checked_inputs_[i], fault, sizeof fault)) continue;
+        return error("at t = %g: input %s", time_, fault);
     }
     inputs_checked_ = true;
     return Status::ok;
 }
 
-/// The error for the first value that is not finite among the variables concerned.
-Status Instance::not_finite(const char* what, bool (*concerned)(const Variable&)) {
+Status Instance::not_finite(const char* what, bool (*concerned)(const Variable&), const char* way_out) {
     for (const Variable& v : table()) {
         if (v.type != Type::float64 || !concerned(v)) continue;
         for (std::uint32_t e = 0; e < v.size; ++e) {
             if (std::isfinite(floats(v)[e])) continue;
             char name[128];
             element_name(v, e, name, sizeof name);
-            return error("at t = %g: %s %s is %g", time_, what, name, floats(v)[e]);
+            return error("at t = %g: %s %s is %g%s", time_, what, name, floats(v)[e], way_out);
         }
     }
     return Status::error;
 }
 
 // 0 * x is 0 for finite x only, else NaN, and a sum stays so.
-Status Instance::finite_states() {
-    double zero = 0.0;
-    for (std::size_t i = 0; i < n_states_; ++i) zero += 0.0 * *states_[i].x;
-    return zero == 0.0 ? Status::ok : not_finite("state", [](const Variable& v) { return v.role == Role::state; });
-}
 Status Instance::finite_rates() {
     double zero = 0.0;
     for (std::size_t i = 0; i < n_states_; ++i) zero += 0.0 * *states_[i].rate;
@@ -556,13 +557,21 @@ Status Instance::finite_outputs() {
     return zero == 0.0 ? Status::ok
                        : not_finite("output", [](const Variable& v) { return v.causality == Causality::output; });
 }
+Status Instance::finite_held() {
+    double zero = 0.0;
+    for (const Variable& v : table()) {
+        for (std::uint32_t e = 0; v.role == Role::held && e < v.size; ++e) zero += 0.0 * floats(v)[e];
+    }
+    return zero == 0.0 ? Status::ok : not_finite("sampled", [](const Variable& v) { return v.role == Role::held; });
+}
 
 Status Instance::evaluate() {
     if (outputs_fresh_) return Status::ok;
     if (Status status = check(); status != Status::ok) return status;
-    if (at_sample_) take_sample();
+    if (at_sample_) {
+        if (Status status = take_sample(); status != Status::ok) return status;
+    }
     model_->outputs();
-    outputs_fresh_ = true;
     derivatives_fresh_ = false;
     const Status status = finite_outputs();
     outputs_fresh_ = status == Status::ok;
@@ -617,9 +626,13 @@ void Instance::copy_held(double* held, bool store) {
     }
 }
 
-void Instance::take_sample() {
+/// One that gives no finite values leaves the values held before.
+Status Instance::take_sample() {
     copy_held(held_, false);
     model_->sample(next_sample_);
+    const Status status = finite_held();
+    if (status != Status::ok) copy_held(held_, false);
+    return status;
 }
 
 void Instance::commit_sample() {
@@ -632,21 +645,75 @@ void Instance::commit_sample() {
 // ------------------------------------------------------------------------------------------------- Co-Simulation
 
 void Instance::normalise_states() {
-    for (std::size_t i = 0; i < n_unit_states_; ++i) normalise(*unit_states_[i]);
+    for (std::size_t i = 0; i < n_unit_states_; ++i) {
+        double* q = floats(*unit_states_[i].variable);  // four numbers, as a law's Quat is
+        const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+        if (length == 1.0) continue;
+        for (int e = 0; e < 4; ++e) q[e] /= length;
+    }
 }
 
-/// Classical Runge-Kutta of order 4 in equal steps not longer than max_internal_step, quaternions renormalised.
-void Instance::integrate(double from, double to) {
+/// Classical Runge-Kutta of order 4 in equal steps not longer than max_internal_step, quaternions renormalised. Stops
+/// before an internal step after which a state were not finite.
+Status Instance::integrate(double from, double to) {
     if (n_states_ != 0 && to > from) {
         const double ratio = (to - from) / *max_internal_step_ - 1e-9;
         const double steps = ratio > 1.0 ? std::ceil(ratio) : 1.0;
         const double h = (to - from) / steps;
         for (double i = 0.0; i < steps; ++i) {
-            model_->integrate(from + i * h, h);
+            model_->integrate(from + i * h, h, before_);
             normalise_states();
+            if (Status status = finite_states_after(from + i * h, h); status != Status::ok) return status;
         }
+        move_to(to);
+        watch_spin(h);
+    } else {
+        move_to(to);
     }
-    move_to(to);
+    return Status::ok;
+}
+
+Status Instance::finite_states_after(double begin, double h) {
+    double zero = 0.0;
+    for (std::size_t i = 0; i < n_states_; ++i) zero += 0.0 * *states_[i].x;
+    if (zero == 0.0) return Status::ok;
+    char way_out[96];
+    std::snprintf(way_out, sizeof way_out, ", after an internal step of %g s; max_internal_step makes it smaller", h);
+    move_to(begin + h);
+    const Status status = not_finite("state", [](const Variable& v) { return v.role == Role::state; }, way_out);
+    move_to(begin);
+    write_states(before_);
+    return status;
+}
+
+/// Warns of a body that turns so fast that the Runge-Kutta method loses angle, which renormalising hides. By an angle
+/// omega h a quaternion moves by 2 sin(omega h / 4), and the method lags behind by 2 (omega h / 2)^5 / 120 in a step.
+void Instance::watch_spin(double h) {
+    if (spin_reported_) return;
+    const double bound = 60.0 * spin_error_bound * h;  // of (omega h / 2)^5
+    for (std::size_t i = 0; i < n_unit_states_; ++i) {
+        const double* q = floats(*unit_states_[i].variable);
+        const double* before = before_ + unit_states_[i].first;
+        double square = 0.0;
+        for (int e = 0; e < 4; ++e) square += (q[e] - before[e]) * (q[e] - before[e]);
+        if (square * square * square * square * square > bound * bound) return report_spin(i, std::sqrt(square), h);
+    }
+}
+
+/// A message, and no other status of the step: it did what it was asked for, and tools differ in what they do then.
+void Instance::report_spin(std::size_t i, double change, double h) {
+    double sine = 0.5 * std::fmin(change, 2.0);  // of omega h / 4; four times halved the angle is small
+    for (int halving = 0; halving < 4; ++halving) sine /= std::sqrt(2.0 + 2.0 * std::sqrt(1.0 - sine * sine));
+    const double omega = 4.0 * 16.0 * sine * (1.0 + sine * sine / 6.0) / h;
+    const double half = 0.5 * omega * h, omega_2 = omega * omega;
+    const double lost = half * half * half * half * half / (60.0 * h);
+    const double smaller = 0.9 * std::sqrt(std::sqrt(1920.0 * spin_error_bound / (omega_2 * omega_2 * omega)));
+    constexpr double degree = 57.295779513082321;
+    spin_reported_ = true;
+    warning(
+        "at t = %g: %s turns by %.3g deg in an internal step of %g s, which loses about %.2g deg/s: set "
+        "max_internal_step to %.2g or less",
+        time_, unit_states_[i].variable->name, degree * omega * h, h, degree * lost, smaller);
 }
 
 Status Instance::do_step(double time, double step) {
@@ -656,25 +723,29 @@ Status Instance::do_step(double time, double step) {
         return error("step from t = %.17g refused: this instance is at t = %.17g", time, time_);
     }
     const double end = time + step;
+    if (!std::isfinite(end) || !(end > time)) {
+        return error("step size %g refused: from t = %g it leads to t = %g", step, time, end);
+    }
     if (stop_defined_ && end > stop_time_ + 1e-9 * (step + std::fabs(stop_time_))) {
         return error("step to t = %.17g refused: the stop time is %.17g", end, stop_time_);
     }
     if (Status status = check(); status != Status::ok) return status;
+    if (Status status = fits_budget(time, end); status != Status::ok) return status;
     if (at_sample_) {
         if (Status status = evaluate(); status != Status::ok) return status;
         commit_sample();
     }
     double from = time;
     while (sample_due(end) && instant(next_sample_) < end - clock_tolerance * clock_.period) {
-        integrate(from, instant(next_sample_));
+        if (Status status = integrate(from, instant(next_sample_)); status != Status::ok) return status;
         from = time_;
         at_sample_ = true;
-        take_sample();
+        if (Status status = take_sample(); status != Status::ok) return status;
         commit_sample();
     }
-    integrate(from, end);
+    if (Status status = integrate(from, end); status != Status::ok) return status;
     at_sample_ = sample_due(end);
-    return finite_states();
+    return Status::ok;
 }
 
 // ------------------------------------------------------------------------------------------------ Model Exchange
@@ -687,6 +758,7 @@ Status Instance::set_time(double time) {
 
 Status Instance::set_states(const double* values, std::size_t n) {
     if (n != n_states_) return error("%zu states given, %zu expected", n, n_states_);
+    if (n != 0 && values == nullptr) return null_pointer("set continuous states");
     for (std::size_t i = 0; i < n; ++i) {
         if (!std::isfinite(values[i]))
             return error("at t = %g: continuous state %zu = %g refused: a finite number is expected", time_, i + 1,
@@ -698,6 +770,7 @@ Status Instance::set_states(const double* values, std::size_t n) {
 
 Status Instance::get_states(double* values, std::size_t n) {
     if (n != n_states_) return error("%zu states asked for, there are %zu", n, n_states_);
+    if (n != 0 && values == nullptr) return null_pointer("get continuous states");
     if (Status status = check_parameters(); status != Status::ok) return status;
     read_states(values);
     return Status::ok;
@@ -705,6 +778,7 @@ Status Instance::get_states(double* values, std::size_t n) {
 
 Status Instance::get_derivatives(double* values, std::size_t n) {
     if (n != n_states_) return error("%zu derivatives asked for, there are %zu", n, n_states_);
+    if (n != 0 && values == nullptr) return null_pointer("get derivatives");
     if (Status status = evaluate_derivatives(); status != Status::ok) return status;
     read_rates(values);
     return Status::ok;
@@ -712,6 +786,7 @@ Status Instance::get_derivatives(double* values, std::size_t n) {
 
 Status Instance::get_nominals(double* values, std::size_t n) {
     if (n != n_states_) return error("%zu nominals asked for, there are %zu", n, n_states_);
+    if (n != 0 && values == nullptr) return null_pointer("get nominals");
     for (const Variable& v : table()) {
         if (v.role != Role::state) continue;
         for (std::uint32_t e = 0; e < v.size; ++e) *values++ = v.nominal;
@@ -765,6 +840,10 @@ Status Instance::expand(const char* function, const std::uint32_t* vrs, std::siz
 Status Instance::differentiate(const char* function, Addressing addressing, const std::uint32_t* unknowns,
                                std::size_t n_unknowns, const std::uint32_t* knowns, std::size_t n_knowns,
                                const double* seed, std::size_t n_seed, double* sensitivity, std::size_t n_sensitivity) {
+    if ((n_unknowns != 0 && unknowns == nullptr) || (n_knowns != 0 && knowns == nullptr) ||
+        (n_seed != 0 && seed == nullptr) || (n_sensitivity != 0 && sensitivity == nullptr)) {
+        return null_pointer(function);
+    }
     Directional* known = directional_;
     Directional* unknown = directional_ + table().next_vr;
     const auto scalars = addressing == Addressing::scalars ? &Instance::expand<Addressing::scalars>
@@ -794,109 +873,15 @@ Status Instance::differentiate(const char* function, Addressing addressing, cons
     if (!model_->differentiate(known, n_seed, unknown, n_sensitivity, at_sample_, next_sample_)) {
         return error("%s: this component has no derivatives", function);
     }
+    for (std::size_t i = 0; i < n_sensitivity; ++i) {
+        if (std::isfinite(unknown[i].value)) continue;
+        const Variable& v = table().variables[table().owner[unknown[i].vr]];
+        char name[128];
+        element_name(v, unknown[i].vr - v.vr, name, sizeof name);
+        return error("at t = %g: the directional derivative of %s%s is %g", time_,
+                     v.role == Role::derivative ? "the derivative of " : "", name, unknown[i].value);
+    }
     for (std::size_t i = 0; i < n_sensitivity; ++i) sensitivity[i] = unknown[i].value;
-    return Status::ok;
-}
-
-// -------------------------------------------------------------------------------------------------- saved states
-
-namespace {
-
-struct Header {
-    std::uint32_t magic;
-    std::uint32_t size;
-    char token[40]{};
-    double time, stop_time;
-    SampleTimes clock;
-    std::int64_t next_sample;
-    std::uint32_t mode;
-    std::uint8_t stop_defined, at_sample, interface, unused;
-};
-
-}  // namespace
-
-std::size_t Instance::state_size() const { return sizeof(Header) + (table().next_vr + n_held_) * sizeof(double); }
-
-void Instance::save(std::byte* bytes) const {
-    Header header{};
-    header.magic = state_magic;
-    header.size = static_cast<std::uint32_t>(state_size());
-    make_token(*model_, header.token);
-    header.time = time_;
-    header.stop_time = stop_time_;
-    header.clock = clock_;
-    header.next_sample = next_sample_;
-    header.mode = mode_;
-    header.stop_defined = stop_defined_ ? 1 : 0;
-    header.at_sample = at_sample_ ? 1 : 0;
-    header.interface = static_cast<std::uint8_t>(interface_);
-    std::memcpy(bytes, &header, sizeof header);
-    bytes += sizeof header;
-    for (const Variable& v : table()) {
-        for (std::uint32_t e = 0; e < v.size; ++e, bytes += sizeof(double)) {
-            const double value = v.type == Type::float64 ? floats(v)[e] : static_cast<double>(integers(v)[e]);
-            std::memcpy(bytes, &value, sizeof value);
-        }
-    }
-    std::memcpy(bytes, held_, n_held_ * sizeof(double));
-}
-
-Status Instance::save_new(void** state) {
-    if (*state == nullptr) *state = std::malloc(state_size());
-    if (*state == nullptr) return error("no memory for a saved state");
-    save(static_cast<std::byte*>(*state));
-    return Status::ok;
-}
-
-Status Instance::serialize(const char* function, const std::byte* state, void* bytes, std::size_t size) {
-    if (state == nullptr || size < state_size())
-        return error("%s: %zu bytes given, %zu expected", function, size, state_size());
-    std::memcpy(bytes, state, state_size());
-    return Status::ok;
-}
-
-Status Instance::deserialize(const char* function, const void* bytes, std::size_t size, void** state) {
-    if (size != state_size()) return error("%s: %zu bytes given, %zu expected", function, size, state_size());
-    if (*state == nullptr) *state = std::malloc(size);
-    if (*state == nullptr) return error("no memory for a saved state");
-    std::memcpy(*state, bytes, size);
-    return Status::ok;
-}
-
-Status Instance::restore(const char* function, const std::byte* bytes, std::size_t size) {
-    Header header;
-    char token[40]{};
-    make_token(*model_, token);
-    if (bytes == nullptr || size < sizeof header) return error("%s: %zu bytes are not a saved state", function, size);
-    std::memcpy(&header, bytes, sizeof header);
-    if (header.magic != state_magic || header.size != state_size() || size != state_size() ||
-        std::memcmp(header.token, token, sizeof token) != 0 ||
-        header.interface != static_cast<std::uint8_t>(interface_)) {
-        return error("%s: the saved state is not from this kind of component", function);
-    }
-    time_ = header.time;
-    stop_time_ = header.stop_time;
-    clock_ = header.clock;
-    next_sample_ = header.next_sample;
-    mode_ = static_cast<Mode>(header.mode);
-    stop_defined_ = header.stop_defined != 0;
-    at_sample_ = header.at_sample != 0;
-    bytes += sizeof header;
-    for (const Variable& v : table()) {
-        for (std::uint32_t e = 0; e < v.size; ++e, bytes += sizeof(double)) {
-            double value;
-            std::memcpy(&value, bytes, sizeof value);
-            if (v.type == Type::float64) {
-                floats(v)[e] = value;
-            } else {
-                integers(v)[e] = static_cast<std::int32_t>(value);
-            }
-        }
-    }
-    std::memcpy(held_, bytes, n_held_ * sizeof(double));
-    outputs_fresh_ = derivatives_fresh_ = inputs_checked_ = false;
-    // Renormalising a quaternion a second time could change its last bit, so parameters stay as they were checked.
-    parameters_checked_ = (mode_ & (mode_instantiated | mode_initialization)) == 0;
     return Status::ok;
 }
 

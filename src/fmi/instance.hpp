@@ -43,6 +43,10 @@ inline constexpr LogCategory log_categories[] = {
     {"logEvents", "mode changes and samples"},
 };
 
+/// Internal steps, and samples, that one doStep takes at most: minutes of computing. More is a mistake in a unit, or a
+/// step that will never end.
+inline constexpr double step_budget = 1e8;
+
 class Instance {
 public:
     /// nullptr without memory or if the token is not this binary's; the log says why.
@@ -75,6 +79,7 @@ public:
                          double* sensitivity, std::size_t n_sensitivity);
 
     // Co-Simulation
+    /// After an error time() is what was reached, and states and held values belong to it.
     Status do_step(double time, double step);
     double time() const { return time_; }
 
@@ -89,16 +94,22 @@ public:
     Status update_discrete_states(bool* next_event_defined, double* next_event);
     Status enter_continuous_time();
 
-    // The whole state as bytes, also a serialised form that another instance of the same component can read.
+    // Saved states, saved_state.cpp. They are bytes that another instance of the same component can read, and are the
+    // same in memory and serialised. What was saved continues to the bit: with the values go the mode, the clock and what
+    // is known about the values (computed, checked). Not the settings of the log, which belong to whoever reads it.
     std::size_t state_size() const;
-    Status restore(const char* function, const std::byte* bytes, std::size_t size);
+    Status restore(const char* function, const void* state);
     /// Into `state`, which is allocated with malloc where it is null.
-    Status save_new(void** state);
-    Status serialize(const char* function, const std::byte* state, void* bytes, std::size_t size);
+    Status save_new(const char* function, void** state);
+    Status serialize(const char* function, const void* state, void* bytes, std::size_t size);
     Status deserialize(const char* function, const void* bytes, std::size_t size, void** state);
+    /// After which a pointer to it is known not to be a saved state, as long as its memory is not used again.
+    static void free_state(void** state);
 
     /// Reports and returns an error.
     Status error(const char* format, ...) ADCS_PRINTF_LIKE(2, 3);
+    /// Of a pointer without which a function cannot do what it is asked for.
+    Status null_pointer(const char* function) { return error("%s: a pointer is NULL", function); }
 
 private:
     bool refuse(const char* function);
@@ -107,6 +118,7 @@ private:
 
     void message(Status status, const char* category, const char* format, std::va_list arguments);
     void event(const char* format, ...) ADCS_PRINTF_LIKE(2, 3);
+    void warning(const char* format, ...) ADCS_PRINTF_LIKE(2, 3);
     /// Properties of a value reference as bits, so that a loop over many can gather what any of them has.
     enum Trait : unsigned {
         trait_float64 = 1,
@@ -125,6 +137,11 @@ private:
         const Variable* variable;
         std::uint32_t array_size;  ///< elements of the array that starts here; 0 inside an array
         unsigned traits;
+    };
+    /// A unit quaternion among the states, which begins with the scalar state `first`.
+    struct UnitState {
+        const Variable* variable;
+        std::size_t first;
     };
     /// A scalar continuous state and its derivative.
     struct State {
@@ -166,29 +183,41 @@ private:
     Status evaluate();
     Status evaluate_derivatives();
     void move_to(double time);
-    void start_clock();
+    Status start_clock();
+    Status resolves(double time);
+    Status fits_budget(double from, double to);
+    const char* period_name() const;
     double instant(std::int64_t k) const { return clock_.offset + static_cast<double>(k) * clock_.period; }
     bool sample_due(double time) const;
-    void take_sample();
+    Status take_sample();
     void commit_sample();
     void copy_held(double* held, bool store);
-    void integrate(double from, double to);
+    Status integrate(double from, double to);
+    void watch_spin(double h);
+    void report_spin(std::size_t i, double change, double h);
     void normalise_states();
-    void save(std::byte* bytes) const;
     void write_states(const double* x);
     void read_states(double* x) const;
     void read_rates(double* xdot) const;
-    Status finite_states();
+    Status finite_states_after(double begin, double h);
     Status finite_rates();
     Status finite_outputs();
-    Status not_finite(const char* what, bool (*concerned)(const Variable&));
+    Status finite_held();
+    /// The error for the first value that is not finite among the variables concerned; `way_out` may be empty.
+    Status not_finite(const char* what, bool (*concerned)(const Variable&), const char* way_out = "");
+
+    void save(std::byte* bytes) const;
+    void load(const std::byte* bytes);
+    Status check_saved(const char* function, const void* bytes, std::size_t size);
+    Status check_loaded(const char* function);
 
     char name_[128];
     Interface interface_;
     Log log_;
     bool log_events_ = false;
     Model* model_;
-    std::size_t n_states_ = 0, n_outputs_ = 0, n_held_ = 0, n_unit_inputs_ = 0, n_unit_states_ = 0;
+    char token_[40]{};
+    std::size_t n_states_ = 0, n_outputs_ = 0, n_held_ = 0, n_checked_inputs_ = 0, n_unit_states_ = 0;
     // One block of memory, cut up in the constructor; where things are, so that the loop need not search the table.
     void* memory_ = nullptr;
     Scalar* scalars_;  ///< by FMI 2 value reference
@@ -196,9 +225,11 @@ private:
     Directional* directional_;
     State* states_;
     const double** outputs_;
-    const Variable** unit_inputs_;  ///< inputs that must be unit quaternions
-    const Variable** unit_states_;
+    const Variable** checked_inputs_;  ///< inputs with a condition on the whole of them
+    UnitState* unit_states_;
     double* held_;        ///< held values before the pending sample
+    double* before_;      ///< states at the start of the latest internal step
+    std::byte* backup_;   ///< scratch of restore()
     double* clock_time_;  ///< time as the component sees it
     const double* max_internal_step_ = nullptr;
 
@@ -213,6 +244,7 @@ private:
     bool derivatives_fresh_ = false;
     bool parameters_checked_ = false;
     bool inputs_checked_ = false;
+    bool spin_reported_ = false;  ///< one warning is enough
 };
 
 /// The identity of a component's declaration: changes whenever names, types, shapes or references do.

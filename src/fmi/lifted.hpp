@@ -3,11 +3,11 @@
 // structure, with no second text of the equations.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <type_traits>
 
 #include "attitude/eigen.hpp"
+#include "math/functions.hpp"
 
 namespace adcs {
 
@@ -49,16 +49,20 @@ struct Lifted {
     friend bool operator!=(const Lifted& a, const Lifted& b) { return a.value != b.value; }
 
     friend Lifted sqrt(const Lifted& a) {
-        const double root = std::sqrt(a.value);
+        const double root = math::sqrt(a.value);
         return {root, scale(0.5 / root, a.tangent)};
     }
     friend Lifted exp(const Lifted& a) {
-        const double e = std::exp(a.value);
+        const double e = math::exp(a.value);
         return {e, scale(e, a.tangent)};
     }
-    friend Lifted log(const Lifted& a) { return {std::log(a.value), scale(1.0 / a.value, a.tangent)}; }
-    friend Lifted sin(const Lifted& a) { return {std::sin(a.value), scale(std::cos(a.value), a.tangent)}; }
-    friend Lifted cos(const Lifted& a) { return {std::cos(a.value), scale(-std::sin(a.value), a.tangent)}; }
+    friend Lifted log(const Lifted& a) { return {math::log(a.value), scale(1.0 / a.value, a.tangent)}; }
+    friend SinCos<Lifted> sincos(const Lifted& a) {
+        const auto [s, c] = math::sincos(a.value);
+        return {{s, scale(c, a.tangent)}, {c, scale(-s, a.tangent)}};
+    }
+    friend Lifted sin(const Lifted& a) { return sincos(a).sin; }
+    friend Lifted cos(const Lifted& a) { return sincos(a).cos; }
     friend Lifted abs(const Lifted& a) { return a.value < 0.0 ? -a : a; }
 };
 

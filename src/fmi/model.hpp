@@ -31,7 +31,8 @@ public:
     /// State derivatives; outputs() has been called for the same time, states and inputs.
     virtual void derivatives() = 0;
     /// One step h of the classical Runge-Kutta method of order 4. Outputs and derivatives belong to no time after it.
-    virtual void integrate(double time, double h) = 0;
+    /// `before` (states) receives where it began.
+    virtual void integrate(double time, double h, double* before) = 0;
     /// The k-th sample: sets what is declared as held.
     virtual void sample(std::int64_t k) = 0;
     virtual SampleTimes sample_times() const = 0;
@@ -69,6 +70,10 @@ constexpr bool has_validate = false;
 template <class C>
 constexpr bool has_validate<C, std::void_t<decltype(std::declval<C&>().validate())>> = true;
 template <class C, class = void>
+constexpr bool has_stream = false;
+template <class C>
+constexpr bool has_stream<C, std::void_t<decltype(C::stream)>> = true;
+template <class C, class = void>
 constexpr bool is_differentiable = true;
 template <class C>
 constexpr bool is_differentiable<C, std::void_t<decltype(C::differentiable)>> = C::differentiable;
@@ -83,7 +88,11 @@ struct Ignore {
         Refine nominal(double) { return {}; }
         Refine fixed() { return {}; }
         Refine unit_quaternion() { return {}; }
+        Refine unit_vectors() { return {}; }
+        Refine directions() { return {}; }
         Refine inertia() { return {}; }
+        Refine positive_definite() { return {}; }
+        Refine positive_semidefinite() { return {}; }
     };
     template <class... Any>
     void time(Any&&...) {}
@@ -97,6 +106,10 @@ struct Ignore {
     }
     template <class... Any>
     Refine parameter(Any&&...) {
+        return {};
+    }
+    template <class... Any>
+    Refine seed(Any&&...) {
         return {};
     }
     template <class... Any>
@@ -175,12 +188,12 @@ public:
         if constexpr (has_derivatives<C<T>>) component.derivatives();
     }
     /// Flat and on a copy of the component, so that the compiler drops outputs that no derivative depends on.
-    ADCS_FLATTEN void integrate([[maybe_unused]] double time, [[maybe_unused]] double h) {
+    ADCS_FLATTEN void integrate([[maybe_unused]] double time, [[maybe_unused]] double h, [[maybe_unused]] T* before) {
         if constexpr (has_outputs<C<T>> || has_derivatives<C<T>>) {
             C<T> c = component;
             T start[Table::scalar_capacity], sum[Table::scalar_capacity];  // of which the states take the beginning
             each_state(c, [&](const T& x, const T&, int j) {
-                start[j] = x;
+                before[j] = start[j] = x;
                 sum[j] = 0.0;
             });
             const struct {
@@ -250,7 +263,8 @@ private:
 
 }  // namespace detail
 
-template <template <class> class C>
+/// A component as a model; without its derivatives it compiles in half the time.
+template <template <class> class C, bool differentiable = detail::is_differentiable<C<double>>>
 class ModelOf final : public Model {
 public:
     explicit ModelOf(const char* name) : name_(name), bound_(table_) {}
@@ -259,7 +273,7 @@ public:
     void reset() override { bound_.reset(); }
     void outputs() override { bound_.outputs(); }
     void derivatives() override { bound_.derivatives(); }
-    void integrate(double time, double h) override { bound_.integrate(time, h); }
+    void integrate(double time, double h, double* before) override { bound_.integrate(time, h, before); }
     void sample(std::int64_t k) override { bound_.sample(k); }
     SampleTimes sample_times() const override {
         if constexpr (detail::has_sample<C<double>>) {
@@ -277,7 +291,7 @@ public:
     }
     bool differentiate(const Directional* knowns, std::size_t n_knowns, Directional* unknowns, std::size_t n_unknowns,
                        bool sampling, std::int64_t k) override {
-        if constexpr (detail::is_differentiable<C<double>>) {
+        if constexpr (differentiable) {
             dual_.load(table_);
             for (std::size_t i = 0; i < n_knowns; ++i) dual_.scalar(knowns[i].vr).tangent += knowns[i].value;
             dual_.evaluate(sampling, k);
@@ -292,7 +306,7 @@ private:
     struct Nothing {};
     const char* name_;
     detail::Bound<C, double> bound_;
-    std::conditional_t<detail::is_differentiable<C<double>>, detail::Shadow<C, Dual>, Nothing> dual_;
+    std::conditional_t<differentiable, detail::Shadow<C, Dual>, Nothing> dual_;
 };
 
 }  // namespace adcs

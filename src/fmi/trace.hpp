@@ -27,36 +27,114 @@ struct Description {
     bool differentiable;
     bool sampled;
     Dependencies dependencies;
+    Dependencies at_start;  ///< what is more at initialization: the first sample is that of the start time
 };
 Description describe_model();
 
+/// Runs a component at points around its start values, with integer parameters at their start values and at others, and
+/// with quaternions of both signs.
 template <template <class> class C>
-Dependencies trace() {
-    constexpr int points = 16;
-    Dependencies found{};
-    std::mt19937 engine(1);
-    std::uniform_real_distribution<double> perturbation(0.0, 0.01);
-    for (int point = 0; point < points; ++point) {
-        Table table;
-        detail::Bound<C, Trace> bound(table);
-        for (const Variable& v : table) {
-            if (v.type != Type::float64 || v.role == Role::derivative || v.role == Role::held) continue;
-            const bool known = v.causality == Causality::independent || v.causality == Causality::parameter ||
-                               v.causality == Causality::input || v.role == Role::state;
-            for (std::uint32_t e = 0; known && e < v.size; ++e) {
-                Trace& x = static_cast<Trace*>(v.data)[e];
-                x.value += point == 0 ? 0.0 : perturbation(engine);
-                x.tangent.set[v.vr + e] = true;
+class Tracer {
+public:
+    Tracer() {
+        for (int point = 0; point < points; ++point) {
+            const Run run(point, point, none);
+            for (const Variable& v : run.table) {
+                for (std::uint32_t e = 0; is_unknown(v) && e < v.size; ++e) {
+                    dependencies[v.vr + e] = dependencies[v.vr + e] + static_cast<const Trace*>(v.data)[e].tangent;
+                }
             }
-        }
-        bound.evaluate(true, point);
-        for (const Variable& v : table) {
-            if (v.causality != Causality::output && v.role != Role::derivative) continue;
-            for (std::uint32_t e = 0; e < v.size; ++e)
-                found[v.vr + e] = found[v.vr + e] + static_cast<Trace*>(v.data)[e].tangent;
+            // An integer has no derivative, and the index of a sample no reference: what differs, depends.
+            for (const Variable& v : run.table) {
+                if (v.type == Type::int32) add(dependencies, run, Run(point, point, v.vr), v.vr);
+            }
+            for (const std::uint32_t vr : clock_) add(at_start, run, Run(point, point + 1, none), vr);
         }
     }
-    return found;
-}
+
+    Dependencies dependencies{}, at_start{};
+
+private:
+    static constexpr int points = 16;
+    static constexpr std::uint32_t none = Table::scalar_capacity;
+
+    /// Parameters of which the index of the sample that is taken at the start is a function, and time.
+    struct Clock {
+        std::uint32_t vrs[Table::scalar_capacity];
+        std::uint32_t count = 0;
+        const std::uint32_t* begin() const { return vrs; }
+        const std::uint32_t* end() const { return vrs + count; }
+    };
+
+    /// Everything evaluated at one point; the integer parameter `changed` has its other value.
+    struct Run {
+        Run(int point, int k, std::uint32_t changed) : bound(table) {
+            std::mt19937 engine(static_cast<unsigned>(point) + 1);
+            std::uniform_real_distribution<double> perturbation(0.0, 0.01);
+            unsigned others = static_cast<unsigned>(point);  // bit by bit, what has its other value, or its other sign
+            const auto is_other = [&others] {
+                const bool other = (others & 1U) != 0;
+                others >>= 1;
+                return other;
+            };
+            for (const Variable& v : table) {
+                if (v.type == Type::int32) {
+                    if (is_other() != (v.vr == changed))
+                        *static_cast<std::int32_t*>(v.data) += *static_cast<std::int32_t*>(v.data) < v.max ? 1 : -1;
+                    continue;
+                }
+                if (v.role == Role::derivative || v.role == Role::held) continue;
+                const bool known = v.causality == Causality::independent || v.causality == Causality::parameter ||
+                                   v.causality == Causality::input || v.role == Role::state;
+                const double sign = known && v.kind == Kind::unit_quaternion && is_other() ? -1.0 : 1.0;
+                for (std::uint32_t e = 0; known && e < v.size; ++e) {
+                    Trace& x = static_cast<Trace*>(v.data)[e];
+                    x.value = sign * (x.value + (point == 0 ? 0.0 : perturbation(engine)));
+                    x.tangent.set[v.vr + e] = true;
+                }
+            }
+            bound.evaluate(true, k);
+        }
+
+        Table table;
+        detail::Bound<C, Trace> bound;
+    };
+
+    static bool is_unknown(const Variable& v) { return v.causality == Causality::output || v.role == Role::derivative; }
+
+    static void add(Dependencies& found, const Run& one, const Run& other, std::uint32_t known) {
+        for (int i = 0; i < one.table.count; ++i) {
+            const Variable& v = one.table.variables[i];
+            if (!is_unknown(v)) continue;
+            for (std::uint32_t e = 0; e < v.size; ++e) {
+                const double a = static_cast<const Trace*>(v.data)[e].value;
+                const double b = static_cast<const Trace*>(other.table.variables[i].data)[e].value;
+                if (a != b) found[v.vr + e].set[known] = true;
+            }
+        }
+    }
+
+    static Clock clock() {
+        Clock found;
+        if constexpr (detail::has_sample<C<Trace>>) {
+            const Run run(1, 0, none);
+            found.vrs[found.count++] = 0;
+            for (const Variable& v : run.table) {
+                if (v.type != Type::float64 || v.causality != Causality::parameter) continue;
+                for (std::uint32_t e = 0; e < v.size; ++e) {
+                    Trace& x = static_cast<Trace*>(v.data)[e];
+                    const Trace before = x;
+                    const double period = run.bound.component.sample_times().period;
+                    x.value += 1.0;
+                    if (run.bound.component.sample_times().period != period) found.vrs[found.count++] = v.vr + e;
+                    x = before;
+                }
+            }
+        }
+        return found;
+    }
+
+    const Clock clock_ = clock();
+};
 
 }  // namespace adcs

@@ -36,8 +36,7 @@ struct AppendagePaths {
     }
 
     void outputs() {
-        using std::cos, std::sin;
-        const T s = sin(frequency * time), c = cos(frequency * time);
+        const auto [s, c] = sincos(frequency * time);
         position_B = (1.0 + extension * s * s) * position_B_0;
         velocity_B = 2.0 * extension * frequency * s * c * position_B_0;
     }

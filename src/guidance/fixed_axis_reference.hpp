@@ -46,7 +46,7 @@ struct FixedAxisReference {
         v.parameter("decay", decay, unit::one_per_s2, "d, how fast the initial transient fades").at_least(0);
         v.parameter("ramp", ramp, unit::rad_per_s2, "b, slope of the initial transient");
         v.parameter("wobble", wobble, unit::rad_per_s2, "c, oscillation of the initial transient");
-        v.parameter("axis", axis, unit::one, "a, axis times gain: omega_RN_R = r(t) a").fixed();
+        v.parameter("axis", axis, unit::one, "a, axis times gain: omega_RN_R = r(t) a").fixed().directions();
         v.parameter("q_RN_0", q_RN_0, unit::one, "attitude of R relative to N at the start").fixed().unit_quaternion();
         v.state("angle", angle, angleDot, unit::rad, "integral of r(t)");
         v.output("q_RN", q_RN, unit::one, "attitude of R relative to N").unit_quaternion();
@@ -55,9 +55,9 @@ struct FixedAxisReference {
     }
 
     void outputs() {
-        using std::cos, std::exp, std::sin, std::sqrt;
         const T t = time;
-        const T c = cos(frequency * t), s = sin(frequency * t), e = exp(-decay * t * t);
+        const auto [s, c] = sincos(frequency * t);
+        const T e = exp(-decay * t * t);
         const T eDot = -2.0 * decay * t * e;
         const T r = amplitude * c * (1.0 - e) + (ramp + wobble * s) * t * e;
         const T rDot = -amplitude * frequency * s * (1.0 - e) - amplitude * c * eDot + wobble * frequency * c * t * e +
@@ -67,12 +67,9 @@ struct FixedAxisReference {
         omegaDot_RN_R = rDot * axis;
 
         const T gain = sqrt(axis.dot(axis));
-        const Vec3<T> turn = sin(0.5 * gain * angle) / gain * axis;
-        q_RN = compose<T>({cos(0.5 * gain * angle), turn[0], turn[1], turn[2]}, q_RN_0);
-    }
-
-    const char* validate() const {
-        return axis.dot(axis) > 0.0 ? nullptr : "axis is [0, 0, 0], but a direction is expected";
+        const auto [s_half, c_half] = sincos(0.5 * gain * angle);
+        const Vec3<T> turn = s_half / gain * axis;
+        q_RN = compose<T>({c_half, turn[0], turn[1], turn[2]}, q_RN_0);
     }
 };
 

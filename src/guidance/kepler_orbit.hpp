@@ -54,18 +54,21 @@ struct KeplerOrbit {
     }
 
     void outputs() {
-        using std::cos, std::sin, std::sqrt;
         const T M = mean_anomaly + sqrt(mu / semi_major_axis) / semi_major_axis * time;
         T E = M + eccentricity * sin(M);
-        for (int i = 0; i < newton_steps; ++i) E -= (E - eccentricity * sin(E) - M) / (1.0 - eccentricity * cos(E));
+        for (int i = 0; i < newton_steps; ++i) {
+            const auto [s, c] = sincos(E);
+            E -= (E - eccentricity * s - M) / (1.0 - eccentricity * c);
+        }
 
-        const T c_node = cos(ascending_node), s_node = sin(ascending_node);
-        const T c_perigee = cos(argument_of_perigee), s_perigee = sin(argument_of_perigee);
-        const T c_tilt = cos(inclination), s_tilt = sin(inclination);
+        const auto [s_node, c_node] = sincos(ascending_node);
+        const auto [s_perigee, c_perigee] = sincos(argument_of_perigee);
+        const auto [s_tilt, c_tilt] = sincos(inclination);
         const Vec3<T> node{c_node, s_node, 0.0}, ahead{-s_node * c_tilt, c_node * c_tilt, s_tilt};
         const Vec3<T> p = c_perigee * node + s_perigee * ahead, w = c_perigee * ahead - s_perigee * node;
 
-        const T c = cos(E), s = sin(E), minor = sqrt(1.0 - eccentricity * eccentricity);
+        const auto [s, c] = sincos(E);
+        const T minor = sqrt(1.0 - eccentricity * eccentricity);
         r_ON_N = semi_major_axis * ((c - eccentricity) * p + minor * s * w);
         v_ON_N = sqrt(mu / semi_major_axis) / (1.0 - eccentricity * c) * (minor * c * w - s * p);
         altitude = height_above(r_ON_N, earth_radius);

@@ -38,7 +38,7 @@ struct ScanningReference {
     template <class V>
     void declare(V& v) {
         v.time(time);
-        v.parameter("axis", axis, unit::one, "direction of a, the axis of the turn").fixed();
+        v.parameter("axis", axis, unit::one, "direction of a, the axis of the turn").fixed().directions();
         v.parameter("angle", angle, unit::rad, "A, angle of the slew and amplitude of the scan")
             .fixed()
             .at_least(0)
@@ -97,7 +97,6 @@ struct ScanningReference {
     }
 
     const char* validate() const {
-        if (!(axis.dot(axis) > 0.0)) return "axis is [0, 0, 0], but a direction is expected";
         if (!(period > 0.0) && (lag != 0 || difference != 0)) {
             return "lag and difference belong to a sampled reference: give a period above 0, or set both to 0";
         }
@@ -109,7 +108,6 @@ private:
 
     /// Low-pass of a ramp that ends at `angle`: of one that starts at t_0, less one that starts where it ends.
     void smoothed_ramp(T& value, T& rate) const {
-        using std::exp;
         value = rate = 0.0;
         for (const double sign : {1.0, -1.0}) {
             const T since = time - slew_start - (sign > 0.0 ? T(0.0) : angle / slew_rate);
@@ -122,23 +120,19 @@ private:
     }
 
     void scan(const T& now, T& value, T& rate) const {
-        using std::cos, std::sin;
         if (now < scan_start - 1e-9 * scan_period) return;
         const T frequency = 6.2831853071795865 / scan_period;
-        value = angle * cos(frequency * (now - scan_start));
-        rate = -frequency * angle * sin(frequency * (now - scan_start));
+        const auto [s, c] = sincos(frequency * (now - scan_start));
+        value = angle * c;
+        rate = -frequency * angle * s;
     }
 
-    Vec3<T> direction() const {
-        using std::sqrt;
-        return axis / sqrt(axis.dot(axis));
-    }
+    Vec3<T> direction() const { return axis / sqrt(axis.dot(axis)); }
     Vec3<T> mrp(const T& turn) const {
-        using std::cos, std::sin;
-        return sin(0.25 * turn) / cos(0.25 * turn) * direction();
+        const auto [s, c] = sincos(0.25 * turn);
+        return s / c * direction();
     }
     Vec3<T> mrpDot(const T& turn, const T& turnDot) const {
-        using std::cos;
         const T c = cos(0.25 * turn);
         return 0.25 * turnDot / (c * c) * direction();
     }

@@ -49,11 +49,10 @@ struct SinusoidalRateReference {
     }
 
     void outputs() {
-        using std::cos, std::sin;
         for (int i = 0; i < 3; ++i) {
-            const T angle = rate_frequency[i] * time + rate_phase[i];
-            omega_RN_R[i] = rate_bias[i] + rate_amplitude[i] * sin(angle);
-            omegaDot_RN_R[i] = rate_amplitude[i] * rate_frequency[i] * cos(angle);
+            const auto [s, c] = sincos(rate_frequency[i] * time + rate_phase[i]);
+            omega_RN_R[i] = rate_bias[i] + rate_amplitude[i] * s;
+            omegaDot_RN_R[i] = rate_amplitude[i] * rate_frequency[i] * c;
         }
     }
 

@@ -62,7 +62,6 @@ struct BoundedEstimationError {
     }
 
     void outputs() {
-        using std::sin, std::sqrt;
         const T third = 0.57735026918962576451;  // 1 / sqrt(3), so that the sum over three axes keeps the bound
         for (int i = 0; i < 3; ++i) {
             q_EB[1 + i] = attitude_bound * third * sin(attitude_frequency[i] * time + attitude_phase[i]);

@@ -50,7 +50,7 @@ struct NonlinearExtendedStateObserver {
             .nominal(0.01);
         v.input("torque_B", torque_B, unit::N_m, "T_c, commanded torque, in B");
         v.parameter("J0_B", J0_B, unit::kg_m2, "J_0, inertia that the observer assumes, in B").inertia();
-        v.parameter("beta_1", beta_1, unit::one, "gain of the rate estimate");
+        v.parameter("beta_1", beta_1, unit::one, "gain of the rate estimate").positive_definite();
         v.parameter("beta_2", beta_2, unit::one, "gain of the torque estimate");
         v.parameter("alpha_1", alpha_1, unit::one, "exponent of the rate gain").above(0).at_most(1);
         v.parameter("alpha_2", alpha_2, unit::one, "exponent of the torque gain").above(0).at_most(1);
@@ -111,15 +111,12 @@ struct NonlinearExtendedStateObserver {
     }
 
     const char* validate() const {
-        if (!positive_definite(beta_1))
-            return "beta_1 is not symmetric and positive definite: the rate would not converge";
         if (!(beta_2.determinant() > 0.0)) return "beta_2 has no positive determinant: the estimate would not converge";
         return nullptr;
     }
 
 private:
     static Vec3<T> fal(const Vec3<T>& e, const T& alpha, const T& delta) {  // (8.42)
-        using std::abs, std::exp, std::log;
         Vec3<T> gained;
         for (int i = 0; i < 3; ++i) {
             const T size = abs(e[i]), base = size > delta ? size : delta;

@@ -50,8 +50,9 @@ struct Quest {
 
     template <class V>
     void declare(V& v) {
-        v.input("directions_B", directions_B, unit::one, "y_j, unit vectors measured in B, a row for each");
-        v.parameter("directions_N", directions_N, unit::one, "x_j, the same directions in N").fixed();
+        v.input("directions_B", directions_B, unit::one, "y_j, unit vectors measured in B, a row for each")
+            .unit_vectors();
+        v.parameter("directions_N", directions_N, unit::one, "x_j, the same directions in N").fixed().directions();
         v.parameter("weights", weights, unit::one, "a_j; 0: the vector does not count").fixed().at_least(0);
         v.parameter("q_BN_first", q_BN_first, unit::one, "an attitude whose sign the first estimate takes")
             .fixed()
@@ -82,8 +83,7 @@ struct Quest {
         observability = slope / (8.0 * total * total * total);
         q_BN_est = before;
         if (observability < limit) return;
-        q_BN_est = optimal(D, lambda);
-        if (q_BN_est.dot(before) < 0.0) q_BN_est = -q_BN_est;
+        q_BN_est = nearest(optimal(D, lambda), before);
     }
 
     const char* validate() const { return attitude_fault(directions_N, weights); }
@@ -129,7 +129,6 @@ private:
     }
 
     static Quat<T> optimal(const Mat3<T>& D, const T& lambda) {
-        using std::sqrt;
         int best = 0;  // 0: N itself; i: N turned by 180 deg about axis i
         T largest = Terms(D).gamma(lambda);
         for (int i = 1; i <= 3; ++i) {

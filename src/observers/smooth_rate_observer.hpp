@@ -12,6 +12,11 @@
 ///
 /// $$V_o = \gamma\left[(1 - \tilde q_0)^2 + \tilde q_v^T\tilde q_v\right] + \tfrac12\,\tilde\omega^T J\tilde\omega,
 ///   \qquad \dot V_o = -\gamma\lambda\,\lVert\tilde q_v\rVert^2$$
+///
+/// **Sign.** The observer brings $\tilde q$ to $[1\ 0\ 0\ 0]$, so from $\tilde q_0 < 0$ the estimate turns by more than 180
+/// degrees though a smaller turn would do. With `short_way` 1 it takes that of $\tilde q$ and $-\tilde q$ with
+/// $\tilde q_0 \ge 0$; $V_o$ then has $1 - \lvert\tilde q_0\rvert$ in place of $1 - \tilde q_0$ in
+/// $2\gamma(1 - \tilde q_0)$, its first term, and still does not jump or grow.
 #pragma once
 
 #include "fmi/declaration.hpp"
@@ -28,6 +33,7 @@ struct SmoothRateObserver {
     Vec3<T> torque_B{0.0, 0.0, 0.0};
     Mat3<T> J_B{{10.0, 1.2, 0.5}, {1.2, 19.0, 1.5}, {0.5, 1.5, 25.0}};
     T lambda = 1.0, gamma = 3.0;
+    std::int32_t short_way = 0;
     Quat<T> q_EN{1.0, 0.0, 0.0, 0.0}, qDot_EN{0.0, 0.0, 0.0, 0.0};
     Vec3<T> omega_EN_E{0.0, 0.0, 0.0}, omegaDot_EN_E{0.0, 0.0, 0.0};
     Vec3<T> omega_BN_B_est{0.0, 0.0, 0.0};
@@ -40,6 +46,7 @@ struct SmoothRateObserver {
         v.parameter("J_B", J_B, unit::kg_m2, "inertia that the observer assumes, in B").inertia();
         v.parameter("lambda", lambda, unit::one_per_s, "attitude correction gain").above(0);
         v.parameter("gamma", gamma, unit::N_m, "rate correction gain").above(0);
+        declare_short_way(v, short_way);
         v.state("q_EN", q_EN, qDot_EN, unit::one, "estimated attitude: E relative to N").unit_quaternion();
         v.state("omega_EN_E", omega_EN_E, omegaDot_EN_E, unit::rad_per_s, "angular velocity of E relative to N, in E")
             .nominal(0.1);
@@ -49,7 +56,7 @@ struct SmoothRateObserver {
     }
 
     void outputs() {
-        q_BE = relative(q_BN, q_EN);
+        q_BE = attitude_error(q_BN, q_EN, short_way);
         omega_BN_B_est = dcm(q_BE) * omega_EN_E;
     }
 

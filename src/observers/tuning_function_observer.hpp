@@ -10,7 +10,6 @@
 /// `update_first` 1 the step is made before the estimate is used, with 0 after.
 #pragma once
 
-#include "attitude/definite.hpp"
 #include "controllers/ball_projection.hpp"
 #include "fmi/declaration.hpp"
 #include "fmi/lifted.hpp"
@@ -35,7 +34,7 @@ struct TuningFunctionObserver {
     void declare(V& v) {
         v.input("z_2_bar_B", z_2_bar_B, unit::rad_per_s, "compensated rate error of the controller, in B")
             .nominal(1e-4);
-        v.parameter("G", G, unit::N_m, "gain: Gamma J_0^-1");
+        v.parameter("G", G, unit::N_m, "gain: Gamma J_0^-1").positive_definite();
         v.parameter("limit", limit, unit::N_m, "M, radius of the ball that holds the estimate").above(0);
         v.parameter("margin", margin, unit::one, "delta / M^2, width of the projection's boundary").above(0);
         v.parameter("period", period, unit::s, "sampling period").fixed().above(0);
@@ -66,11 +65,6 @@ struct TuningFunctionObserver {
     }
 
     void outputs() { torque_disturbance_B_est = held_torque; }
-
-    const char* validate() const {
-        return positive_definite(G) ? nullptr
-                                    : "G is not symmetric and positive definite: the estimate would not converge";
-    }
 };
 
 }  // namespace adcs

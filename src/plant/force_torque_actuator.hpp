@@ -56,7 +56,6 @@ private:
         return x;
     }
     static T size(const Vec3<T>& x) {
-        using std::sqrt;
         const T square = x.dot(x);
         return square > 0.0 ? sqrt(square) : square;  // whose derivative at 0 does not exist
     }

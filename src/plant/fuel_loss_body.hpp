@@ -41,7 +41,9 @@ struct FuelLossBody {
         v.input("torque_B", torque_B, unit::N_m, "control torque of the thrusters, in B");
         v.input("torque_disturbance_B", torque_disturbance_B, unit::N_m, "disturbance torque, in B");
         v.parameter("J_0_B", J_0_B, unit::kg_m2, "inertia with a full tank about the centre of mass, in B").inertia();
-        v.parameter("J_1_B", J_1_B, unit::s, "inertia lost per torque impulse, in B: kg m2 per N m s").nominal(0.001);
+        v.parameter("J_1_B", J_1_B, unit::s, "inertia lost per torque impulse, in B: kg m2 per N m s")
+            .positive_definite()
+            .nominal(0.001);
         v.parameter("fuel", fuel, unit::N_m_s, "torque impulse that a full tank lasts for").above(0).nominal(100.0);
         v.state("q_BN", q_BN, qDot_BN, unit::one, "attitude of B relative to N").unit_quaternion();
         v.state("omega_BN_B", omega_BN_B, omegaDot_BN_B, unit::rad_per_s, "angular velocity of B relative to N, in B")
@@ -71,9 +73,6 @@ struct FuelLossBody {
     }
 
     const char* validate() const {
-        if (!positive_definite(J_1_B)) {
-            return "J_1_B is not symmetric and positive definite: it is the inertia of the fuel by its torque impulse";
-        }
         if (!positive_definite<T>(J_0_B - fuel * J_1_B)) {
             return "J_0_B - fuel J_1_B is not positive definite: without fuel no inertia would be left, choose less "
                    "fuel "

@@ -75,7 +75,6 @@ struct OrbitingBody {
     }
 
     void derivatives() {
-        using std::abs;
         qDot_BO = kinematics(q_BO, omega_BO_B);
         power = abs(omega_BN_B[0] * torque_B[0]) + abs(omega_BN_B[1] * torque_B[1]) + abs(omega_BN_B[2] * torque_B[2]);
     }

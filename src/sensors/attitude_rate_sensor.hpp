@@ -6,7 +6,7 @@
 ///
 /// $$\sigma \leftarrow \tfrac14\varphi \otimes \sigma, \qquad \omega \leftarrow \omega + \nu$$
 ///
-/// Draw $k$ is a function of `seed` and $k$ alone. The measured MRP is that of the shadow set, $|\sigma|\le 1$.
+/// Draw $k$ of each is a function of `seed` and $k$ alone. The measured MRP is that of the shadow set, $|\sigma|\le 1$.
 #pragma once
 
 #include "attitude/gaussian.hpp"
@@ -20,6 +20,7 @@ template <class T>
 struct AttitudeRateSensor {
     static constexpr auto summary = "Attitude (MRP) and angular velocity, exact or sampled with Gaussian noise";
     static constexpr auto reference = "";
+    static constexpr Stream stream{"AttitudeRateSensor"};
 
     Mrp<T> sigma_BO{0.0, 0.0, 0.0};
     Vec3<T> omega_BN_B{0.0, 0.0, 0.0};
@@ -40,7 +41,7 @@ struct AttitudeRateSensor {
             .fixed()
             .at_least(0);
         v.parameter("period", period, unit::s, "sampling period; 0: continuous").fixed().at_least(0);
-        v.parameter("seed", seed, "seed of the noise").fixed().at_least(0);
+        v.seed("seed", seed, "seed of the noise");
         v.held("held_sigma_BO", held_sigma_BO, unit::one, "attitude of the last sample");
         v.held("held_omega_BN_B", held_omega_BN_B, unit::rad_per_s, "rate of the last sample");
         v.output("sigma_BO_meas", sigma_BO_meas, unit::one, "measured attitude of B relative to O as MRP");
@@ -50,8 +51,8 @@ struct AttitudeRateSensor {
     SampleTimes sample_times() const { return {value_of(period), 0.0}; }
 
     void sample(std::int64_t k) {
-        Random random(static_cast<std::uint64_t>(seed), static_cast<std::uint64_t>(k));
-        const Vec3<double> phi = gaussian(random), nu = gaussian(random);
+        Random attitude = stream["attitude"].draw(seed, k), rate = stream["rate"].draw(seed, k);
+        const Vec3<double> phi = gaussian(attitude), nu = gaussian(rate);
         const Mrp<T> tilted = mrp_compose<T>(0.25 * attitude_noise * phi.template cast<T>(), sigma_BO);
         const T square = tilted.dot(tilted);
         held_sigma_BO = square > 1.0 ? Mrp<T>(-tilted / square) : tilted;

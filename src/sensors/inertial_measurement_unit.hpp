@@ -4,8 +4,8 @@
 ///
 /// $$\omega_{meas} = \omega_{BN}^B + b_g + \sigma_g\,\nu_k, \qquad a_{meas} = f^B + b_a + \sigma_a\,\mu_k$$
 ///
-/// The numbers $\nu_k$ and $\mu_k$ are standard normal and independent on all axes; draw $k$ is a pure function of `seed`
-/// and $k$, the six of the gyro and the accelerometer in this order. Measurements are taken every `period` and held in
+/// The numbers $\nu_k$ and $\mu_k$ are standard normal and independent on all axes; draw $k$ of the gyro and
+/// that of the accelerometer are pure functions of `seed` and $k$. Measurements are taken every `period` and held in
 /// between. A noise density $N$, as data sheets give it (rad/s/√Hz), makes the standard deviation
 /// $\sigma = N/\sqrt{period}$. With `period` 0 the unit measures continuously, and without noise.
 ///
@@ -23,6 +23,7 @@ template <class T>
 struct InertialMeasurementUnit {
     static constexpr auto summary = "Gyro and accelerometer with bias and noise";
     static constexpr auto reference = "";
+    static constexpr Stream stream{"InertialMeasurementUnit"};
 
     Vec3<T> omega_BN_B{0.0, 0.0, 0.0}, specific_force_B{0.0, 0.0, 0.0};
     Vec3<T> gyro_bias{0.0, 0.0, 0.0}, accelerometer_bias{0.0, 0.0, 0.0};
@@ -51,7 +52,7 @@ struct InertialMeasurementUnit {
             .at_least(0)
             .nominal(1e-2);
         v.parameter("period", period, unit::s, "sampling period; 0: continuous").fixed().at_least(0);
-        v.parameter("seed", seed, "seed of the noise").fixed().at_least(0);
+        v.seed("seed", seed, "seed of the noise");
         v.held("held_omega_BN_B", held_omega_BN_B, unit::rad_per_s, "rate of the last sample").nominal(0.01);
         v.held("held_specific_force_B", held_specific_force_B, unit::m_per_s2, "specific force of the last sample");
         v.output("omega_BN_B_meas", omega_BN_B_meas, unit::rad_per_s, "measured angular velocity, in B").nominal(0.01);
@@ -61,8 +62,8 @@ struct InertialMeasurementUnit {
     SampleTimes sample_times() const { return {value_of(period), 0.0}; }
 
     void sample(std::int64_t k) {
-        Random random(static_cast<std::uint64_t>(seed), static_cast<std::uint64_t>(k));
-        const Vec3<double> nu = gaussian(random), mu = gaussian(random);
+        Random gyro = stream["gyro"].draw(seed, k), accelerometer = stream["accelerometer"].draw(seed, k);
+        const Vec3<double> nu = gaussian(gyro), mu = gaussian(accelerometer);
         held_omega_BN_B = omega_BN_B + gyro_bias + gyro_noise * nu.template cast<T>();
         held_specific_force_B = specific_force_B + accelerometer_bias + accelerometer_noise * mu.template cast<T>();
     }

@@ -19,6 +19,7 @@ template <class T>
 struct Magnetometer {
     static constexpr auto summary = "Magnetic field in the body frame with bias and noise";
     static constexpr auto reference = "";
+    static constexpr Stream stream{"Magnetometer"};
 
     Quat<T> q_BN{1.0, 0.0, 0.0, 0.0};
     Vec3<T> magnetic_field_N{0.0, 0.0, 0.0}, bias{0.0, 0.0, 0.0};
@@ -33,7 +34,7 @@ struct Magnetometer {
         v.parameter("bias", bias, unit::T, "b, constant error, in B").fixed().nominal(1e-7);
         v.parameter("noise", noise, unit::T, "sigma, standard deviation per axis").fixed().at_least(0).nominal(1e-7);
         v.parameter("period", period, unit::s, "sampling period; 0: continuous").fixed().at_least(0);
-        v.parameter("seed", seed, "seed of the noise").fixed().at_least(0);
+        v.seed("seed", seed, "seed of the noise");
         v.held("held_magnetic_field_B", held_magnetic_field_B, unit::T, "flux density of the last sample")
             .nominal(1e-5);
         v.output("magnetic_field_B_meas", magnetic_field_B_meas, unit::T, "measured magnetic flux density, in B")
@@ -43,7 +44,7 @@ struct Magnetometer {
     SampleTimes sample_times() const { return {value_of(period), 0.0}; }
 
     void sample(std::int64_t k) {
-        Random random(static_cast<std::uint64_t>(seed), static_cast<std::uint64_t>(k));
+        Random random = stream.draw(seed, k);
         held_magnetic_field_B = field_B() + noise * gaussian(random).template cast<T>();
     }
 

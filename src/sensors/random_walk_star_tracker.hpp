@@ -27,6 +27,7 @@ struct RandomWalkStarTracker {
     static constexpr auto reference =
         "Velocity-free passivity-based attitude tracking with measurement errors, disturbances and inertia mismatch, "
         "Eqs. (25)-(29)";
+    static constexpr Stream stream{"RandomWalkStarTracker"};
 
     Quat<T> q_BN{1.0, 0.0, 0.0, 0.0};
     T max_rate = 0.02, hold_time = 0.1, error_bound = 1.0;
@@ -47,7 +48,7 @@ struct RandomWalkStarTracker {
             .fixed()
             .above(0)
             .at_most(1);
-        v.parameter("seed", seed, "seed of the draws").fixed().at_least(0);
+        v.seed("seed", seed, "seed of the draws");
         v.held("omega_EB_E", omega_EB_E, unit::rad_per_s, "random rate of the error");
         v.state("q_EB", q_EB, qDot_EB, unit::one, "error of the measurement: attitude of E relative to B")
             .unit_quaternion();
@@ -58,7 +59,7 @@ struct RandomWalkStarTracker {
     SampleTimes sample_times() const { return {value_of(max_rate) > 0.0 ? value_of(hold_time) : 0.0, 0.0}; }
 
     void sample(std::int64_t k) {
-        Random random(static_cast<std::uint64_t>(seed), static_cast<std::uint64_t>(k));
+        Random random = stream.draw(seed, k);
         const T size = max_rate * random.uniform();
         omega_EB_E = size * random.direction().template cast<T>();
         if (!stays_within(omega_EB_E)) {
@@ -75,12 +76,12 @@ private:
     /// Whether the error keeps its bound if it turns with this rate until the next draw. In between q_EB[0] is concave, so
     /// it is enough to look at the end.
     bool stays_within(const Vec3<T>& rate) const {
-        using std::sqrt, std::sin, std::cos;
         const T size = sqrt(rate.dot(rate));
         if (!(size > 0.0) || !(error_bound < 1.0)) return true;
         const T half = 0.5 * size * hold_time;
         const Vec3<T> v = vec(q_EB);
-        const Vec3<T> end = cos(half) * v + sin(half) / size * Vec3<T>(q_EB[0] * rate + v.cross(rate));
+        const auto [s, c] = sincos(half);
+        const Vec3<T> end = c * v + s / size * Vec3<T>(q_EB[0] * rate + v.cross(rate));
         return end.dot(end) <= error_bound * error_bound;
     }
 };

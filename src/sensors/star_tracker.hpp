@@ -24,6 +24,7 @@ struct StarTracker {
     static constexpr auto summary = "Attitude sensor whose eigenaxis errs within a cone";
     static constexpr auto reference =
         "Thakur, dissertation on adaptive, gyro-free and observer-based attitude control, Sec. 5.4.2";
+    static constexpr Stream stream{"StarTracker"};
 
     Quat<T> q_BN{1.0, 0.0, 0.0, 0.0};
     T half_angle = 0.0, redraw_period = 0.1;
@@ -40,7 +41,7 @@ struct StarTracker {
             .at_least(0)
             .at_most(1.5707963267948966);
         v.parameter("redraw_period", redraw_period, unit::s, "how long a draw is held").fixed().above(0);
-        v.parameter("seed", seed, "seed of the draws").fixed().at_least(0);
+        v.seed("seed", seed, "seed of the draws");
         v.held("tilt_direction", tilt_direction, unit::one, "a, unit vector that sets the direction of the tilt");
         v.held("tilt_versine", tilt_versine, unit::one, "1 - cos(beta), beta the angle of the tilt");
         v.output("q_BN_meas", q_BN_meas, unit::one, "measured attitude of B relative to N").unit_quaternion();
@@ -49,8 +50,7 @@ struct StarTracker {
     SampleTimes sample_times() const { return {value_of(half_angle) > 0.0 ? value_of(redraw_period) : 0.0, 0.0}; }
 
     void sample(std::int64_t k) {
-        using std::sin;
-        Random random(static_cast<std::uint64_t>(seed), static_cast<std::uint64_t>(k));
+        Random random = stream.draw(seed, k);
         const T s = sin(0.5 * half_angle);
         tilt_versine = random.uniform() * 2.0 * s * s;  // 1 - cos(alpha) without cancellation
         tilt_direction = random.direction().template cast<T>();

@@ -10,7 +10,7 @@
 ///
 /// The side it errs to is uniform. A large spread makes the direction uniform on the cone's cap: at 10 its density falls
 /// by 0.5 % from the centre to the rim. The three errors are independent, each draw is held for `redraw_period`, and draw
-/// $k$ is a pure function of `seed` and $k$. With `half_angle` 0 the measurement is exact.
+/// $k$ of each is a pure function of `seed` and $k$. With `half_angle` 0 the measurement is exact.
 ///
 /// Lengths of the rows of `directions_N` do not matter.
 #pragma once
@@ -28,6 +28,7 @@ struct UnitVectorSensor {
     static constexpr auto summary = "Sensor of three known directions, each of which errs within a cone";
     static constexpr auto reference =
         "Thakur, dissertation on adaptive, gyro-free and observer-based attitude control, Secs. 4.2, 4.3.2";
+    static constexpr Stream stream{"UnitVectorSensor"};
 
     Quat<T> q_BN{1.0, 0.0, 0.0, 0.0};
     Directions<T> directions_N{{0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}, {1.0, 1.0, 0.0}};
@@ -40,7 +41,9 @@ struct UnitVectorSensor {
     template <class V>
     void declare(V& v) {
         v.input("q_BN", q_BN, unit::one, "true attitude of B relative to N").unit_quaternion();
-        v.parameter("directions_N", directions_N, unit::one, "x_j, the directions in N, a row for each").fixed();
+        v.parameter("directions_N", directions_N, unit::one, "x_j, the directions in N, a row for each")
+            .fixed()
+            .directions();
         v.parameter("half_angle", half_angle, unit::rad, "half-angle of the cone around each direction; 0: exact")
             .fixed()
             .at_least(0)
@@ -50,7 +53,7 @@ struct UnitVectorSensor {
             .above(0)
             .at_most(10);
         v.parameter("redraw_period", redraw_period, unit::s, "how long a draw is held").fixed().above(0);
-        v.parameter("seed", seed, "seed of the draws").fixed().at_least(0);
+        v.seed("seed", seed, "seed of the draws");
         v.held("tilt_directions", tilt_directions, unit::one, "unit vectors that set the sides of the errors");
         v.held("tilt_versines", tilt_versines, unit::one, "1 - cos(beta), beta the angles of the errors");
         v.output("directions_B_meas", directions_B_meas, unit::one, "y_j, the unit vectors measured in B, a row each");
@@ -59,12 +62,11 @@ struct UnitVectorSensor {
     SampleTimes sample_times() const { return {value_of(half_angle) > 0.0 ? value_of(redraw_period) : 0.0, 0.0}; }
 
     void sample(std::int64_t k) {
-        using std::exp, std::log, std::sin;
-        Random random(static_cast<std::uint64_t>(seed), static_cast<std::uint64_t>(k));
         const T s = sin(0.5 * half_angle);
         const T variance = spread * spread * half_angle * half_angle;
         const T inside = 1.0 - exp(-2.0 * s * s / variance);  // how much of the distribution the cone holds
         for (int j = 0; j < n_directions; ++j) {
+            Random random = stream[j].draw(seed, k);
             tilt_versines[j] = -variance * log(1.0 - random.uniform() * inside);
             tilt_directions.row(j) = random.direction().template cast<T>();
         }
@@ -77,8 +79,6 @@ struct UnitVectorSensor {
             directions_B_meas.row(j) = tilted(y_j, side, tilt_versines[j]);
         }
     }
-
-    const char* validate() const { return direction_fault(directions_N); }
 };
 
 }  // namespace adcs

@@ -16,7 +16,10 @@ _STILL = (0.0, 0.0, 0.0)
 
 
 def hil_spacecraft(seed: int = 1) -> System:
-    """Nothing feeds `actuator.torque_command_B` and `magnetometer.magnetic_field_N`. `seed` is that of all sensors."""
+    """Nothing feeds `actuator.torque_command_B` and `magnetometer.magnetic_field_N`.
+
+    `seed` is that of all sensors: sensors of different kinds draw independent noise from it.
+    """
     system = System("hil-spacecraft", DESCRIPTION)
     system.add(
         "plant",
@@ -40,8 +43,8 @@ def hil_spacecraft(seed: int = 1) -> System:
     }
     system.add("imu", "InertialMeasurementUnit", {**imu, "period": PERIOD, "seed": seed, "specific_force_B": _STILL})
     field = {"noise": 1e-7, "bias": (2e-7, -1e-7, 1e-7), "period": PERIOD, "magnetic_field_N": _STILL}
-    system.add("magnetometer", "Magnetometer", {**field, "seed": seed + 1})
-    tracker = {"half_angle": radians(0.01), "redraw_period": TRACKER_PERIOD, "seed": seed + 2}
+    system.add("magnetometer", "Magnetometer", {**field, "seed": seed})
+    tracker = {"half_angle": radians(0.01), "redraw_period": TRACKER_PERIOD, "seed": seed}
     system.add("tracker", "StarTracker", tracker)
     system.connect("actuator.torque_B", "plant.torque_B")
     system.connect("plant.omega_BN_B", "imu.omega_BN_B")

@@ -83,6 +83,34 @@ def test_start_quaternion_is_normalised(version: int) -> None:
         assert body.get("q_BN").tolist() == [1, 0, 0, 0]
 
 
+@pytest.mark.parametrize("name", ["Quest", "VectorPd", "GyroFreeStabilization"])
+def test_measured_directions_are_unit_vectors(version: int, name: str) -> None:
+    """With the tolerance of a quaternion: the square of the norm within 2 % of 1."""
+    good = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.6, 0.8, 0.0]])
+    with Raw(name, version).initialize(directions_B=good * [[1.009], [1.0], [0.991]]) as component:
+        output = "q_BN_est" if name == "Quest" else "torque_B"
+        component.get(output)
+        for row, factor in ((0, 1.011), (1, 0.989), (2, 2.0), (2, 0.0)):
+            scaled = good.copy()
+            scaled[row] *= factor
+            component.set("directions_B", scaled)
+            with pytest.raises(FMICallException):
+                component.get(output)
+            refused(component, f"input row {row + 1} of directions_B has norm {factor:g}: a unit vector is expected")
+        component.set("directions_B", good)
+        component.get(output)
+
+
+@pytest.mark.parametrize("name", ["Quest", "VectorPd", "GyroFreeStabilization", "UnitVectorSensor"])
+def test_known_directions_may_have_any_length_but_zero(version: int, name: str) -> None:
+    known = np.array([[0.0, 0.0, 3.0], [1e-3, 0.0, 0.0], [1.0, 1.0, 0.0]])
+    Raw(name, version).initialize(directions_N=known).fmu.freeInstance()
+    with Raw(name, version) as component:
+        with pytest.raises(FMICallException):
+            component.initialize(directions_N=known * [[1.0], [0.0], [1.0]])
+        refused(component, "row 2 of directions_N is [0, 0, 0], but a direction is expected")
+
+
 @pytest.mark.parametrize("value", [nan, inf, -inf])
 @pytest.mark.parametrize(
     ("name", "inputs"),

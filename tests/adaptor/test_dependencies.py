@@ -50,3 +50,15 @@ def test_declared_dependencies_are_those_of_the_directional_derivatives(name: st
     declared = {(u.variable.name, d.name) for u in unknowns for d in u.dependencies if d.causality != "independent"}
     assert {pair for pair, slope in seen.items() if slope > 1e-12} == declared
     assert description.outputs
+
+
+def test_parameters_are_listed_where_the_standard_counts_them_among_the_knowns() -> None:
+    """During a run FMI 3.0 does, and what is not listed has no influence by its text; FMI 2.0 does not."""
+
+    def knowns(version: int) -> dict[str, set[str]]:
+        outputs = unpacked("PdTracking", version)[1].outputs
+        return {u.variable.name: {d.name for d in u.dependencies} for u in outputs}
+
+    assert {"k_p", "k_v", "J_B", "short_way"} <= knowns(3)["torque_B"]
+    assert knowns(3)["omega_BR_B"] & {"k_p", "k_v", "J_B"} == set()
+    assert not {name for names in knowns(2).values() for name in names if name.startswith(("k_", "J_", "short"))}

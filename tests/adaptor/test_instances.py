@@ -68,10 +68,14 @@ def test_a_state_of_another_component_is_refused(version: int) -> None:
         with pytest.raises(FMICallException):
             controller.from_bytes(data)
         assert f"{len(data)} bytes given" in controller.messages[-1][2]
-        state = controller.from_bytes(bytes(len(controller.to_bytes(controller.save()))))
+        own = controller.to_bytes(controller.save())
         with pytest.raises(FMICallException):
-            controller.restore(state)
-        assert "not from this kind of component" in controller.messages[-1][2]
+            controller.from_bytes(bytes(len(own)))
+        assert "this is not a saved state" in controller.messages[-1][2]
+    with Raw("PdTracking", version, cosim=False).initialize() as other:
+        with pytest.raises(FMICallException):
+            other.from_bytes(own)
+        assert "not from this kind of component" in other.messages[-1][2]
 
 
 @pytest.mark.parametrize("version", VERSIONS)

@@ -17,7 +17,7 @@ from hil_bridge.link import Link
 from hil_bridge.server import Server
 from hil_bridge.settings import Settings, Snapshot
 
-PATIENCE = 5.0  # s: far longer than anything takes
+PATIENCE = 30.0  # s: far longer than anything takes, on a busy machine too
 
 
 def until(condition: Callable[[], Any], patience: float = PATIENCE) -> Any:

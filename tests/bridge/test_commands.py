@@ -48,6 +48,13 @@ def test_a_run_writes_a_log_without_network_and_a_replay_sends_it(monkeypatch, c
     assert station.count("ATTITUDE") > 50
 
 
+def test_a_port_in_use_is_one_line(monkeypatch, capsys):
+    station = Udp()
+    code, _, err = call(monkeypatch, capsys, "bridge", "full-state-pd", "--out", f"udpin:127.0.0.1:{station.port}")
+    assert code == 1 and err.count("\n") == 1
+    assert f"udpin:127.0.0.1:{station.port}: Address already in use; is another program there?" in err
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -4,7 +4,9 @@ import hashlib
 import socket
 import struct
 import time
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
@@ -56,6 +58,31 @@ def test_a_ground_station_gets_what_is_due_and_heartbeats_without_a_simulation(s
         assert not any(m.get_type().startswith(("UNKNOWN", "BAD")) for m in station.heard)
         until(lambda: running.server.endpoints[0].report()["sent"] >= len(station.heard))
         assert running.server.endpoints[0].report()["not_sent"] == 0
+
+
+def test_heartbeats_come_once_a_second_with_a_simulation_and_without(settings):
+    """On the clock: 50 points a second for 3 s, then none; a partner may ask for others, or for none."""
+    station, quiet = Udp(), Udp(254)
+    with bridge(replace(settings, step=0.02), "udpin:127.0.0.1:0") as running:
+        for each in (station, quiet):
+            each.send(HEARTBEAT, running.address())
+        until(lambda: len(running.server.endpoints[0].peers) == 2)
+        quiet.send(mavlink.MAVLink_command_long_message(1, 1, 511, 0, 0, -1, 0, 0, 0, 0, 0), running.address())
+        until(lambda: quiet.count("COMMAND_ACK"))
+        silenced = quiet.count("HEARTBEAT")
+        began, times, heard = time.monotonic(), [], 0
+        while (now := time.monotonic() - began) < 6.0:
+            if running.k * 0.02 < min(now, 3.0):
+                running.point()
+            if station.count("HEARTBEAT") > heard:
+                heard = station.count("HEARTBEAT")
+                times.append(now)
+            time.sleep(0.002)
+        assert len(times) in (6, 7)
+        assert np.diff(times) == pytest.approx(1.0, abs=0.5)
+        assert np.mean(np.diff(times)) == pytest.approx(1.0, abs=0.1)
+        assert station.count("SYS_STATUS") in (3, 4)
+        assert quiet.count("HEARTBEAT") == silenced
 
 
 def test_two_ground_stations_have_rates_of_their_own(settings):

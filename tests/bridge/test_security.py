@@ -2,6 +2,9 @@
 
 import os
 import random
+import signal
+import subprocess
+import sys
 from dataclasses import replace
 
 import pytest
@@ -82,6 +85,54 @@ def test_a_restart_forgets_nothing(tmp_path):
     again = codec(path)
     assert taken(again, frame) == [0]  # captured, and sent once more
     assert codec(path, clock=lambda: NOW - 5).keyring.now() > sent  # a clock that went back does not repeat times
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from hil_bridge.security import Codec, Keyring
+receiver = Codec(1, 1, Keyring(bytes(range(32)), Path(sys.argv[1]), lambda: 1_800_000_000.0))
+print(len(receiver.parsed(bytes.fromhex(sys.argv[2]), True)[0]), receiver.keyring.now(), flush=True)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="this platform has no SIGKILL")
+def test_what_was_accepted_before_a_kill_9_is_not_accepted_after_it(tmp_path):
+    path, sender = tmp_path / "key.times", Sender()
+    frame = sender.frame()
+    done = subprocess.run(
+        [sys.executable, "-c", KILLED, str(path), frame.hex()], capture_output=True, text=True, check=False
+    )
+    accepted, sent = map(int, done.stdout.split())
+    assert (done.returncode, accepted) == (-signal.SIGKILL, 1)
+    again = codec(path)
+    assert taken(again, frame, sender.frame()) == [0, 0]  # the sender has to wait for a second
+    sender.mav.signing.timestamp += 100_001
+    assert taken(again, sender.frame()) == [1]
+    assert again.keyring.now() > sent
+
+
+def test_without_a_file_that_can_be_written_nothing_is_accepted(tmp_path):
+    folder = tmp_path / "gone"
+    folder.mkdir()
+    receiver, sender = codec(folder / "key.times"), Sender()
+    assert taken(receiver, sender.frame()) == [1]
+    (folder / "key.times").unlink()
+    folder.rmdir()
+    sender.mav.signing.timestamp += 200_000
+    assert taken(receiver, sender.frame()) == [0]
+    assert "No such file" in receiver.keyring.trouble
+    with pytest.raises(AdcsError, match="cannot write the times of signed messages"):
+        receiver.keyring.save()
+    folder.mkdir()
+    assert taken(receiver, sender.frame()) == [1]
+
+
+def test_senders_are_not_remembered_without_end():
+    receiver = codec()
+    frames = [Sender(system=1 + i % 250, link=i // 250).frame() for i in range(300)]
+    assert sum(taken(receiver, *frames)) == len(receiver.keyring.seen) == 256
 
 
 def test_what_is_sent_is_signed_and_its_time_goes_on():

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 from threading import Thread
 
 import numpy as np
@@ -139,3 +140,25 @@ def test_target_acquired_is_said_once(tmp_path):
     error = 2 * np.arccos(np.clip(np.abs(result["controller.q_BR"][:, 0]), 0, 1))
     first = result.time[np.flatnonzero(error < 0.0035)[0]]
     assert acquired[0].startswith(f"Target acquired at t = {first:.6g} s")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this platform has no /dev/full")
+@pytest.mark.parametrize("network", [False, True])
+def test_a_full_disk_ends_the_log_and_not_the_run(capfd, network):
+    system = SYSTEMS["full-state-pd"].build()
+    options = Options(["udpout:127.0.0.1:9"], tlog=Path("/dev/full"), network=network)
+    with attached(system, options, step=0.01) as watcher:
+        result = run(system, stop_time=20.0, step=0.01, watchers=[watcher])
+    assert result.manifest["outcome"]["status"] == "complete"
+    assert np.array_equal(result.data, run(SYSTEMS["full-state-pd"].build(), stop_time=20.0, step=0.01).data)
+    said = capfd.readouterr().err.splitlines()
+    assert said == ["adcs: the telemetry log ends here, the run goes on: /dev/full: No space left on device"]
+    account = result.manifest["mavlink"] if network else result.manifest
+    assert account["tlog_incomplete"] == "/dev/full: No space left on device"
+
+
+def test_the_last_heartbeat_of_a_log_is_off(flight):
+    _, path = flight
+    beats = messages(path, "HEARTBEAT")
+    assert beats[-1].system_status == mavlink.MAV_STATE_POWEROFF
+    assert {m.system_status for m in beats[:-1]} == {mavlink.MAV_STATE_ACTIVE}

@@ -129,6 +129,17 @@ def test_a_symmetric_matrix_stays_symmetric(open_station):
     assert [p.param_id for p in open_station.ground.of("PARAM_VALUE")] == ["J_12", "J_21"]
 
 
+def test_a_change_does_not_take_back_one_that_is_on_its_way(open_station):
+    set_parameter(open_station, "J_11", 12.0)
+    set_parameter(open_station, "J_12", 1.25)
+    ((_, _, changes, _),) = set_parameter(open_station, "J_22", 22.0)
+    assert changes == [("plant.J", [12.0, 1.25, 0.5, 1.25, 22.0, 1.5, 0.5, 1.5, 30.0])]
+    number = open_station.asked[-3][0]
+    open_station.vehicle.answered(number, "refused")  # the first: what follows is asked for without it
+    ((_, _, changes, _),) = set_parameter(open_station, "J_33", 31.0)
+    assert changes == [("plant.J", [10.0, 1.25, 0.5, 1.25, 22.0, 1.5, 0.5, 1.5, 31.0])]
+
+
 def test_arming_closes_the_control_loop(open_station):
     assert open_station.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0) == ACCEPTED
     assert open_station.asked[-1][2] == [("switch.enabled", 0)]

@@ -6,8 +6,9 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 import fmus
+from fmus.errors import AdcsError
 from fmus.paths import BUILD, CHECKOUT
-from fmus.toolchain import host
+from fmus.toolchain import compile_step, host, run_steps
 
 FMUS = ["RigidBody.fmu", "RigidBody.fmi3.fmu", "StarTracker.fmu", "StarTracker.fmi3.fmu"]
 
@@ -46,7 +47,7 @@ def test_sources_are_those_of_one_fmi_version(built):
         with zipfile.ZipFile(built / fmu) as archive:
             listed = etree.fromstring(archive.read("sources/buildDescription.xml")).iterfind(".//SourceFile")
             assert [file.get("name") for file in listed] == [
-                *("model.cpp", "fmi/instance.cpp", "fmi/runtime.cpp"),
+                *("model.cpp", "fmi/instance.cpp", "fmi/saved_state.cpp", "fmi/runtime.cpp"),
                 f"fmi/{own}.cpp",
             ]
             assert f"sources/fmi/{other}.cpp" not in archive.namelist()
@@ -118,3 +119,13 @@ def test_records_are_readable(built):
     record = json.loads((BUILD / "objects" / host().name / "RigidBody.o.json").read_text())
     assert record["command"].startswith("zig 0.")
     assert str(CHECKOUT / "src" / "plant" / "rigid_body.hpp") in record["inputs"]
+
+
+def test_a_sensor_that_draws_under_the_name_of_another_is_refused(tmp_path):
+    """Copied from another's header, it would have the same noise as that one."""
+    model = tmp_path / "model.cpp"
+    copied = "template <class T>\nstruct Compass : Magnetometer<T> {};\n"
+    include = '#include "sensors/magnetometer.hpp"\n#include "fmi/export.hpp"\n'
+    model.write_text(f"{include}namespace adcs {{ {copied} }}\nADCS_EXPORT(Compass)\n")
+    with pytest.raises(AdcsError, match="stream has another component's name"):
+        run_steps([compile_step(model, tmp_path / "model.o", host(), "-fsyntax-only")])

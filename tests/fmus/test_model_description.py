@@ -1,5 +1,6 @@
 import io
 import zipfile
+from dataclasses import replace
 
 import pytest
 from fmpy.model_description import read_model_description
@@ -124,3 +125,15 @@ def test_an_output_without_dependencies_is_refused(spinner):
 
 def structure(unknowns):
     return {u.variable.name: [known.name for known in u.dependencies] for u in unknowns}
+
+
+def test_a_seed_has_a_type_of_its_own(spinner):
+    """By which any tool can tell it from an integer that is called so; without a seed there is no such type."""
+    mode = next(v for v in spinner.variables if v.name == "mode")
+    others = [v for v in spinner.variables if v is not mode]
+    seeded = replace(spinner, variables=(*others, replace(mode, is_seed=True)))
+    for write in (fmi2, fmi3):
+        found = {v.name: v.declaredType for v in read(write(seeded)).modelVariables}
+        assert found.pop("mode").name == "adcs.Seed"
+        assert not any(found.values())
+        assert "Seed" not in write(spinner).decode()

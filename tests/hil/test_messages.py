@@ -1,5 +1,6 @@
 """Every field that an autopilot is told, against recomputations of its own; and the numbers that do not fit."""
 
+from dataclasses import replace
 from datetime import UTC, datetime
 from math import atan2, cos, degrees, hypot, pi, radians, sin, sqrt
 
@@ -105,8 +106,35 @@ def test_truth() -> None:
     assert abs(heard.lat - 1e7 * degrees(where.latitude)) <= 0.5
     assert abs(heard.lon - 1e7 * degrees(where.longitude)) <= 0.5
     assert abs(heard.alt - 1e3 * where.height) <= 0.5
-    milli_g = now.values[WIRING.accelerometer] / 9.80665e-3
-    assert np.abs(np.array([heard.xacc, heard.yacc, heard.zacc]) - milli_g).max() <= 0.5
+    assert (heard.xacc, heard.yacc, heard.zacc) == (0, 0, 0), "free fall, whatever the accelerometer measures"
+
+
+def test_the_true_specific_force_is_what_the_accelerometer_is_fed() -> None:
+    """A constant, an output, or neither; never the measurement with its bias and noise."""
+    now = moment(np.random.default_rng(1))
+    system = hil_spacecraft()
+    system.set("imu.specific_force_B", (0.98, -1.96, 4.9))
+    pushed = received(Messages(Wiring.find(system)).truth(now))
+    assert (pushed.xacc, pushed.yacc, pushed.zacc) == (100, -200, 500)  # mG, to the nearest
+    wiring = replace(WIRING, specific_force="a.specific_force_B")
+    felt = now.values | {"a.specific_force_B": np.array([-9.80665, 0.0, 1.0])}
+    heard = received(Messages(wiring).truth(replace(now, values=felt)))
+    assert (heard.xacc, heard.yacc, heard.zacc) == (-1000, 0, 102)
+    assert "a.specific_force_B" in wiring.outputs
+
+
+def test_signs_of_quaternions_do_not_jump() -> None:
+    """The body turns on through 180 deg, and the frame's quaternion changes its sign: what is told changes smoothly."""
+    messages, before = Messages(WIRING), None
+    values = moment(np.random.default_rng(2)).values
+    for angle in np.linspace(0.0, 4 * pi, 200):
+        q_BN = np.array([cos(angle / 2), sin(angle / 2), 0.0, 0.0])
+        sign = -1.0 if int(angle * 10) % 2 else 1.0  # both are the same attitude
+        now = Moment(1, values | {WIRING.attitude: q_BN, WIRING.star_tracker: sign * q_BN}, None, sign * STILL)
+        told = np.array([received(messages.truth(now)).attitude_quaternion, received(messages.star_tracker(now)).q])
+        assert before is None or np.abs(told - before).max() < 0.04
+        assert before is not None or (told[:, 0] > 0).all()
+        before = told
 
 
 def test_gps_agrees_with_geometry() -> None:
@@ -136,12 +164,12 @@ def test_gps_agrees_with_geometry() -> None:
 
 def test_numbers_that_do_not_fit_are_clamped() -> None:
     high = Place(Geodetic(pi / 2, pi, 3e6), np.array([7600.0, -7600.0, 10.0]), np.eye(3))
-    values = moment(np.random.default_rng(0)).values | {WIRING.accelerometer: np.array([1e6, -1e6, 0.0])}
-    now = Moment(2**40, values, high, STILL)
-    truth, gps = received(Messages(WIRING).truth(now)), received(Messages(WIRING).gps(now))
+    now = Moment(2**40, moment(np.random.default_rng(0)).values, high, STILL)
+    pushed = replace(WIRING, constant_force=(1e6, -1e6, 0.0))
+    truth, gps = received(Messages(pushed).truth(now)), received(Messages(WIRING).gps(now))
+    assert (truth.xacc, truth.yacc) == (32767, -32767)
     assert truth.alt == gps.alt == 2**31 - 1
     assert (truth.vx, truth.vy, truth.vz) == (gps.vn, gps.ve, gps.vd) == (32767, -32767, 1000)
-    assert (truth.xacc, truth.yacc) == (32767, -32767)
     assert (truth.lat, truth.lon, truth.time_usec) == (900_000_000, 1_800_000_000, 2**40)
 
 

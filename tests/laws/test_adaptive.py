@@ -324,7 +324,7 @@ STILL = {"position_B": np.zeros((2, 3)), "velocity_B": np.zeros((2, 3))}
         pytest.param(
             "FuelLossBody",
             {**NO_TORQUE, "J_1_B": np.diag([4e-3, -4e-3, 5e-3])},
-            "J_1_B is not symmetric and positive definite: it is the inertia of the fuel by its torque impulse",
+            "is not positive definite: a symmetric matrix of positive eigenvalues is expected",
             id="fuel of negative inertia",
         ),
         pytest.param(

@@ -324,7 +324,15 @@ def test_quest_without_memory_would_jump() -> None:
     np.testing.assert_allclose(flipped, [0.8, -0.2, -0.4, -0.4], atol=1e-14)
 
 
-@pytest.mark.parametrize("y", [[[0, 0, 1.0]] * 3, [[0, 0, 1.0], [0, 0, -1.0], [0, 0, 1.0]], np.zeros((3, 3))])
+@pytest.mark.parametrize("y", [np.zeros((3, 3)), 2.0 * np.eye(3)])
+def test_quest_refuses_measured_vectors_that_are_no_unit_vectors(y: Any) -> None:
+    with Component("Quest", 2, {"directions_N": X}) as component:
+        component.set({"directions_B": y})
+        with pytest.raises(FMICallException):
+            component.get("q_BN_est")
+
+
+@pytest.mark.parametrize("y", [[[0, 0, 1.0]] * 3, [[0, 0, 1.0], [0, 0, -1.0], [0, 0, 1.0]]])
 def test_quest_holds_its_estimate_when_measured_vectors_are_collinear(y: Any) -> None:
     q = np.array([0.6, 0.48, -0.64, 0.0])
     with Component("Quest", 2, {"directions_N": X, "directions_B": ref.seen(q, X), "q_BN_first": q}) as component:
@@ -360,7 +368,10 @@ REFUSED = [
     ({"weights": [0, 0, 0]}, FEW),
     ({"directions_N": [[1, 2, 3], [2, 4, 6], [-1, -2, -3]]}, COLLINEAR),
     ({"directions_N": [[1, 2, 3], [2, 4, 6.0005], [0, 0, 1]], "weights": [1, 1, 0]}, COLLINEAR),
-    ({"directions_N": [[1, 2, 3], [0, 0, 0], [0, 0, 1]]}, "directions_N has a row [0 0 0]"),
+    (
+        {"directions_N": [[1, 2, 3], [0, 0, 0], [0, 0, 1]]},
+        "row 2 of directions_N is [0, 0, 0], but a direction is expected",
+    ),
     ({"weights": [1, 1, -1]}, "weights[3] = -1 refused: must be at least 0"),
 ]
 FILTER_REFUSED = [
@@ -368,8 +379,8 @@ FILTER_REFUSED = [
     ({"A_m": [[-0.1, 0, 0], [0, 0.05, 1], [0, -1, 0]]}, "A_m is not Hurwitz"),
     ({"A_m": [[0, 1, 0], [0, 0, 1], [-3, -1, -2]]}, "A_m is not Hurwitz"),  # no sign shows it: a b = 2 < c = 3
     ({"B": [[1, 2, 3], [4, 5, 6], [7, 8, 9]]}, "B is singular: it must be invertible"),
-    ({"Q": np.diag([1, 1, -1.0])}, "Q is not positive definite"),
-    ({"Q": [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]}, "Q is not positive definite: a symmetric matrix of positive eigen"),
+    ({"Q": np.diag([1, 1, -1.0])}, "Q = [1 0 0; 0 1 0; 0 0 -1] is not positive definite"),
+    ({"Q": [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]}, "Q = [1 0.5 0; 0 1 0; 0 0 1] is not positive definite"),
 ]
 
 

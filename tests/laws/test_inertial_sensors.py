@@ -1,52 +1,39 @@
 """The inertial measurement unit and the magnetometer: every draw recomputed, and what noise and bias amount to."""
 
 from collections.abc import Callable, Mapping
-from math import cos, log, pi, sqrt
+from math import sqrt
 from typing import Any
 
 import numpy as np
 import pytest
-from scipy.stats import kstest
+from scipy.stats import combine_pvalues, kstest
 
 from orchestration import System, run
 from orchestration.instance import CallFailed
 
 from .at_points import quaternion
 from .fmu_access import VERSIONS, Component
+from .noise_reference import normal
 from .reference import Array, rotation
 
 PERIOD = 0.05
 Draw = Callable[[np.random.Generator], dict[str, Any]]
-_WORD = 2**64
-
-
-def mixed(z: int) -> int:
-    """The output function of SplitMix64 at the state before z + the golden gamma."""
-    z = (z + 0x9E3779B97F4A7C15) % _WORD
-    z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9 % _WORD
-    z = (z ^ z >> 27) * 0x94D049BB133111EB % _WORD
-    return z ^ z >> 31
-
-
-def normal(seed: int, k: int, n: int) -> Array:
-    """The first n standard normal numbers of draw k, by Box and Muller's method."""
-    state = mixed(mixed(seed) + k)
-    uniform = [(mixed((state + i * 0x9E3779B97F4A7C15) % _WORD) >> 11) / 2**53 for i in range(2 * n)]
-    pairs = zip(uniform[::2], uniform[1::2], strict=True)
-    return np.array([sqrt(-2 * log(1 - u)) * cos(2 * pi * v) for u, v in pairs])
 
 
 def inertial(p: Mapping[str, Any], k: int) -> dict[str, Array]:
     """What the unit measures with draw k; without noise if it measures continuously."""
-    nu = normal(p["seed"], k, 6) if p["period"] else np.zeros(6)
+    nu, mu = (
+        normal(f"InertialMeasurementUnit.{channel}", p["seed"], k)[0] if p["period"] else np.zeros(3)
+        for channel in ("gyro", "accelerometer")
+    )
     return {
-        "omega_BN_B_meas": p["omega_BN_B"] + p["gyro_bias"] + p["gyro_noise"] * nu[:3],
-        "specific_force_B_meas": p["specific_force_B"] + p["accelerometer_bias"] + p["accelerometer_noise"] * nu[3:],
+        "omega_BN_B_meas": p["omega_BN_B"] + p["gyro_bias"] + p["gyro_noise"] * nu,
+        "specific_force_B_meas": p["specific_force_B"] + p["accelerometer_bias"] + p["accelerometer_noise"] * mu,
     }
 
 
 def magnetic(p: Mapping[str, Any], k: int) -> dict[str, Array]:
-    nu = normal(p["seed"], k, 3) if p["period"] else np.zeros(3)
+    nu = normal("Magnetometer", p["seed"], k)[0] if p["period"] else np.zeros(3)
     field_B = rotation(p["q_BN"]).inv().apply(p["magnetic_field_N"])
     return {"magnetic_field_B_meas": field_B + p["bias"] + p["noise"] * nu}
 
@@ -178,6 +165,7 @@ def measured(seed: int, version: int = 2, step: float = PERIOD) -> dict[str, Arr
 
 def test_noise_is_gaussian_around_the_bias_and_of_the_size_asked_for() -> None:
     errors = measured(1)
+    chances = []
     for name, size, bias in (
         ("rate", 2e-4, [1e-3, -2e-3, 3e-3]),
         ("force", 3e-3, [0.1, 0, 0]),
@@ -185,8 +173,9 @@ def test_noise_is_gaussian_around_the_bias_and_of_the_size_asked_for() -> None:
     ):
         noise = (errors[name] - bias) / size
         for axis in noise.T:
-            assert kstest(axis, "norm").pvalue > 0.01
+            chances.append(kstest(axis, "norm").pvalue)
             assert abs(np.corrcoef(axis[:-1], axis[1:])[0, 1]) < 4 / sqrt(len(axis)), "successive draws"
+    assert combine_pvalues(chances).pvalue > 0.01  # nine tests: one of them below 0.01 is no surprise
     together = np.column_stack([errors["rate"], errors["force"]])
     assert np.abs(np.corrcoef(together.T) - np.eye(6)).max() < 4 / sqrt(len(together))
 

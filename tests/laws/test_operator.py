@@ -13,13 +13,15 @@ POINTS = 20
 
 def reference_point(rng: np.random.Generator) -> Point:
     vectors = {name: rng.normal(size=3) for name in ("omega_RN_R", "omegaDot_RN_R", "omega_CN_C")}
-    return {"q_RN": quaternion(rng), "q_CN": quaternion(rng), "engaged": np.array(rng.integers(2)), **vectors}
+    quaternions = {name: quaternion(rng) for name in ("q_RN", "q_CN", "q_BN")}
+    return {**quaternions, "engaged": np.array(rng.integers(2)), **vectors}
 
 
 def selected(p: Point) -> dict[str, Array]:
     """By a choice, where the component has a sum."""
     if p["engaged"]:
-        return {"q_SN": p["q_CN"], "omega_SN_S": p["omega_CN_C"], "omegaDot_SN_S": np.zeros(3)}
+        q_CN = min(p["q_CN"], -p["q_CN"], key=lambda q: np.linalg.norm(q - p["q_BN"]))
+        return {"q_SN": q_CN, "omega_SN_S": p["omega_CN_C"], "omegaDot_SN_S": np.zeros(3)}
     return {"q_SN": p["q_RN"], "omega_SN_S": p["omega_RN_R"], "omegaDot_SN_S": p["omegaDot_RN_R"]}
 
 

@@ -61,7 +61,13 @@ MODELS: dict[str, list[Variable]] = {
         *(Variable("height", depends="h"), Variable("speed", depends="v")),
         *(counted("bounces"), counted("last", "Float64"), hidden("resting")),
     ],
-    "stair": [parameter("period", 1.0), counted("counter"), counted("late", "Float64")],
+    "stair": [
+        parameter("period", 1.0),
+        parameter("last", 1e300),
+        parameter("nowhere", 0.0),
+        counted("counter"),
+        counted("late", "Float64"),
+    ],
     "relay": [
         *(state("x"), derivative("x"), indicator(1), indicator(2)),
         *(parameter("low", -1.0), parameter("high", 1.0)),
@@ -83,7 +89,7 @@ MODELS: dict[str, list[Variable]] = {
     ],
     "watcher": [
         *(state("x"), derivative("x")),
-        parameter("threshold", 1.0),
+        *(parameter("threshold", 1.0), parameter("ends_at", 1e300)),
         *(Variable("y", depends="x"), counted("steps"), counted("fired", "Boolean"), counted("fired_at", "Float64")),
     ],
     "bounded": [

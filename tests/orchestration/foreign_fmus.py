@@ -114,6 +114,7 @@ MODELS: dict[str, Model] = {
         [
             parameter("level", 0.3),
             parameter("period", 10.0),
+            parameter("nowhere", 0.0),
             counted("hits"),
             counted("late", "Float64"),
             Variable("x"),
@@ -155,7 +156,10 @@ MODELS: dict[str, Model] = {
         fmi3=EVENTS,
     ),
     "short": Model(
-        [parameter("longest", 0.04), parameter("stuck", 0.0), counted("steps"), counted("asked"), Variable("x")],
+        [
+            *(parameter("longest", 0.04), parameter("stuck", 0.0), parameter("wrong", 0, "Int32")),
+            *(counted("steps"), counted("asked"), Variable("x")),
+        ],
         versions=("3.0",),
         fmi3={
             **VARIABLE_STEP,
@@ -169,6 +173,18 @@ MODELS: dict[str, Model] = {
         attributes=VARIABLE_STEP,
         fmi2={"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true"},
         fmi3={"canGetAndSetFMUState": "true", "canSerializeFMUState": "true"},
+    ),
+    "punctual": Model([Variable("off"), Variable("drift"), Variable("step_seen")], attributes=VARIABLE_STEP),
+    "quitter": Model(
+        [
+            parameter("at", 0.5),
+            parameter("how", 0, "Int32"),
+            parameter("reached", 0.0),
+            input_("u", 1.0),
+            Variable("x"),
+            Variable("y", depends="u"),
+        ],
+        attributes=VARIABLE_STEP,
     ),
     "lazy": Model(
         [counted("steps"), Variable("x")],

@@ -126,4 +126,6 @@ def test_refused(tmp_path, chain):
     message = "no checkpoint at t = 2 s: tracker communicates at every 3 steps, and not then"
     refused(slow, message, checkpoint=state)
     refused(slow, "checkpoint: not together with until", checkpoint=state, until="plant.kinetic_energy > 0.1")
-    refused(t5(), "stop_time = 0.015 s is not a whole number", checkpoint=state, checkpoint_every=0.015)
+    wrong = " s, is not a whole number of exchange steps of 0.01 s: use "
+    refused(t5(), f"checkpoint_every, 0.015{wrong}0.01 or 0.02 s", checkpoint=state, checkpoint_every=0.015)
+    refused(t5(), f"checkpoint_every, 0.005{wrong}0.01 s", checkpoint=state, checkpoint_every=0.005)

@@ -124,7 +124,7 @@ def test_components_that_are_not_built(tmp_path, monkeypatch, capsys):
     assert adcs("run", "observer-pd", "--out", tmp_path) == 1
     err = capsys.readouterr().err.strip()
     assert err.startswith("adcs: FMU 'FixedAxisReference' is not built")
-    assert "`adcs build`" in err
+    assert "`adcs build FixedAxisReference`" in err
 
 
 @pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="looks into /proc to see the loop begin")

@@ -165,8 +165,10 @@ def test_a_failing_component_stops_the_run(faulty, version, solver, mode, messag
 
 
 def test_a_component_may_ask_to_end(faulty, version):
-    with pytest.raises(AdcsError, match="wheel: asked to end the simulation"):
-        run(faulty(version, 6, at=0.0), stop_time=1, step=0.25, **ME)
+    result = run(faulty(version, 6, at=0.0), stop_time=1, step=0.25, **ME)
+    assert result.time.tolist() == [0.0]
+    ended = {"component": "wheel", "time": 0.0, "message": "it gave no reason"}
+    assert result.manifest["outcome"] == {"status": "complete", "ended": ended, "rows": 1}
 
 
 def test_an_event_that_does_not_move_on(mock):

@@ -82,7 +82,7 @@ def test_invalid_model_description(mock, tmp_path):
 
 def test_malformed_xml(mock, tmp_path):
     path = edited(mock("gain"), tmp_path / "malformed.fmu", xml=("</fmiModelDescription>", ""))
-    assert "cannot read modelDescription.xml of " in refused(path)
+    assert f"modelDescription.xml of {path} is not well-formed XML" in refused(path)
 
 
 def test_no_binary_for_this_platform(mock, version, tmp_path):
@@ -127,11 +127,22 @@ def test_missing_interface(mock, tmp_path):
         run(system, stop_time=1, step=1)
 
 
-def test_component_that_is_not_built():
+def test_a_component_that_there_is_not():
+    with pytest.raises(AdcsError, match=r"^no component is called Xyzzy: known are .*, or give the path of an \.fmu$"):
+        locate("Xyzzy")
+
+
+def test_a_component_that_is_misspelt():
+    with pytest.raises(AdcsError, match=r"no component is called RigidBdy: did you mean RigidBody\?, or give the path"):
+        System("s").add("p", "RigidBdy")
+
+
+def test_a_component_that_is_not_built(tmp_path, monkeypatch):
+    monkeypatch.setattr("fmus.paths.DIST", tmp_path)
     with pytest.raises(
-        AdcsError, match=r"FMU 'Unheard' is not built, .*Unheard\.fmu does not exist: build it with `adcs"
+        AdcsError, match=r"FMU 'RigidBody' is not built, .* does not exist: build it with `adcs build R"
     ):
-        locate("Unheard")
+        System("s").add("p", "RigidBody")
 
 
 def test_ports_are_the_same_arrays_in_both_versions(mock):

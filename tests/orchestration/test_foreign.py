@@ -14,7 +14,7 @@ import pytest
 
 from fmus.errors import AdcsError
 from orchestration import RunFailed, System, run
-from orchestration.clocks import Timer
+from orchestration.clocks import Intervals, Timer
 from orchestration.description import Clock
 from orchestration.events import Events
 from orchestration.fmu import extracted, locate, open_fmu
@@ -300,8 +300,9 @@ def test_a_discarded_step_of_an_fmu_that_cannot_save_its_state(foreign, version)
 
 
 def test_an_fmu_that_ends_the_simulation(foreign, version):
-    text, result = failed(alone(foreign("picky", version), {"u": 1.0, "stop": 0.5}), stop_time=1.0, step=0.1)
-    assert text.startswith("c failed at t = 0.5 s: asked to end the simulation: ")
+    result = run(alone(foreign("picky", version), {"u": 1.0, "stop": 0.5}), stop_time=1.0, step=0.1)
+    ended = result.manifest["outcome"]["ended"]
+    assert (ended["component"], ended["time"]) == ("c", pytest.approx(0.5))
     assert len(result.time) == 6
 
 
@@ -442,3 +443,17 @@ def test_time_based_clocks_are_not_for_users_to_tick(foreign):
 def test_a_negative_interval_is_refused_by_name(foreign):
     with pytest.raises(CallFailed, match=r"^c: the interval of clock asked is 0\.0 s: expected a positive time$"):
         run(alone(foreign("clocks"), {"u": 0.0, "period": 0.0}), stop_time=1.0, step=0.1)
+
+
+@pytest.mark.parametrize("wrong", [float("nan"), float("-inf"), -0.5])
+@pytest.mark.parametrize("kind", ["fixed", "changing", "countdown"])
+def test_intervals_that_are_no_times_are_refused(kind, wrong):
+    def call(action, method, references, *results):
+        results[0][0] = wrong if method == "getIntervalDecimal" else 0.0
+        if method == "getIntervalDecimal":
+            results[1][0] = 2  # changed
+
+    intervals = Intervals(call, lambda text: CallFailed("c", text))
+    clock = Clock("tick", 1, "input", kind, None, 0.0, fractional=False)
+    with pytest.raises(CallFailed, match=rf"^c: the interval of clock tick is {wrong} s: expected a positive time$"):
+        intervals.begin(clock, 0.0)

@@ -179,5 +179,23 @@ def test_structural_parameters_are_refused_where_they_make_no_sense(foreign):
     system = alone(foreign("sizes"), {"u": [0] * 30, "n": 30})
     with pytest.raises(AdcsError, match=r"^c: setting n = 30 returned error: n is at most 20$"):
         run(system, stop_time=1.0, step=1.0)
-    with pytest.raises(AdcsError, match=r"^c\.n says how long arrays are: give it when the component is added$"):
-        system.set("c.n", 3)
+
+
+def test_structural_parameters_can_be_set_later(foreign):
+    system = alone(foreign("sizes"), {})
+    system.set("c.n", 5)
+    system.set("c.u", [1, 2, 3, 4, 5])
+    with pytest.raises(AdcsError, match=r"^c\.n = 4: c\.u was given 5 values and has 4 values then: set n first$"):
+        system.set("c.n", 4)
+    assert run(system, stop_time=1.0, step=1.0)["c.total"].tolist() == [15, 15]
+
+
+def test_structural_parameters_are_not_set_where_connections_would_not_fit(foreign):
+    system = alone(foreign("sizes"), {"u": [1, 2, 3]})
+    system.add("next", foreign("sizes"))
+    system.connect("c.y", "next.u")
+    with pytest.raises(
+        AdcsError, match=r"^next\.n = 5: next\.u is connected \(c\.y to next\.u\) and has 5 values then"
+    ):
+        system.set("next.n", 5)
+    assert run(system, stop_time=1.0, step=1.0)["next.total"].tolist() == [12, 12]

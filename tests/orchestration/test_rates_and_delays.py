@@ -78,6 +78,11 @@ def test_a_delay_that_is_no_whole_number_of_steps_is_refused(pair):
     )
 
 
+def test_a_delay_of_less_than_a_step_may_be_left_out(pair):
+    with pytest.raises(AdcsError, match=r"exchange steps of 0.25 s: use 0 or 0.25 s, or another step$"):
+        run(pair(delay=0.1), stop_time=1, step=0.25)
+
+
 def test_a_connection_can_be_delayed_afterwards(pair):
     system = pair()
     system.delay("gain.u", steps=3)
@@ -177,7 +182,9 @@ def test_a_mapping_says_what_arrives_for_each_value(mock, version, stepping):
         assert result["typed.whole"].dtype == np.int64
         assert result["typed.whole"].tolist() == [n, n]
         assert result["oscillator.u"].tolist() == [arrives, arrives]
-    with pytest.raises(AdcsError, match=r"u gets a value for which its connection has no mapping$"):
+    with pytest.raises(
+        AdcsError, match=r"u gets a value for which its connection has no mapping, it comes from typed.whole$"
+    ):
         run(system(3), stop_time=1, step=1, stepping=stepping, fmi_version=version)
 
 

@@ -8,13 +8,24 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
-from orchestration.plots import POINTS_IN_REPORT, Guide, Panel, Series, components, plotly_figure, thin, write_png
+from orchestration.plots import (
+    POINTS_IN_REPORT,
+    Guide,
+    Panel,
+    Series,
+    _draw,
+    components,
+    limits,
+    plotly_figure,
+    thin,
+    write_png,
+)
 
 
 def unpacked(values: dict[str, str]) -> np.ndarray:
-    assert values["dtype"] == "f4"
-    return np.frombuffer(base64.b64decode(values["bdata"]), "<f4")
+    return np.frombuffer(base64.b64decode(values["bdata"]), f"<{values['dtype']}")
 
 
 def pixels(path: Path) -> tuple[int, int, bytes]:
@@ -111,6 +122,59 @@ class TestPlotly:
     def test_unequal_lengths_are_refused_by_name(self) -> None:
         with pytest.raises(ValueError, match=r"series 'w' of panel 'rate': x is \(3,\), y is \(2,\)"):
             plotly_figure(Panel("rate", "", [Series("w", [0, 1, 2], [0, 1])]))
+
+
+class TestBoth:
+    """report.html and report.png show the same."""
+
+    RIPPLE = 5.0 + 1e-9 * np.sin(np.linspace(0, 60, 4000))
+    PANELS = (
+        Panel("plain", "w [rad/s]", components("w", np.linspace(0, 9, 50), np.linspace([0, 1, -2], [3, 1, 2], 50))),
+        Panel("log", "error", [Series("e", [0, 1, 2, 3], [1.0, 0.0, 1e-4, 1e-7])], log=True, guides=[Guide(1e-9, "g")]),
+        Panel("both", "y", [Series("s", [0.01, 0.1, 1], [3.0, 2.0, 1.0], markers=True)], log=True, log_x=True),
+        Panel("constant", "H", [Series("H", [0, 1], [2.0, 2.0])]),
+        Panel("ripple", "E [J]", [Series("E", np.linspace(0, 60, 4000), RIPPLE)]),
+        Panel("instants", "y", [Series("y", [0, 1], [0.0, 1.0])], guides=[Guide(1.5, "later", "x"), Guide(-1.0)]),
+        Panel("nothing", "y", [Series("y", [0, 1], [0.0, 0.0])], log=True),
+    )
+
+    @pytest.mark.parametrize("panel", PANELS, ids=lambda panel: panel.title)
+    def test_the_same_axes_and_curves(self, panel: Panel) -> None:
+        layout = plotly_figure(panel)["layout"]
+        traces = plotly_figure(panel)["data"]
+        axes = Figure().subplots()
+        _draw(axes, panel)
+        for name, log in (("x", panel.log_x), ("y", panel.log)):
+            axis = layout[f"{name}axis"]
+            assert axis["type"] == getattr(axes, f"get_{name}scale")() == ("log" if log else "linear")
+            assert axis["title"]["text"] == getattr(axes, f"get_{name}label")()
+            if limits(panel)[name] is None:
+                continue
+            ends = [10**end for end in axis["range"]] if log else axis["range"]
+            assert ends == pytest.approx(getattr(axes, f"get_{name}lim")(), rel=1e-12)
+            assert axis["autorange"] is False
+        lines = [line for line in axes.get_lines() if len(line.get_xdata()) > 2 or line.get_label() in ("H", "y", "_")]
+        for series, trace, line in zip(panel.series, traces, lines, strict=False):
+            y = np.asarray(line.get_ydata(), float)
+            assert np.nanmax(unpacked(trace["y"]), initial=-9) == pytest.approx(np.nanmax(y, initial=-9), rel=1e-7)
+            assert np.nanmin(unpacked(trace["y"]), initial=99) == pytest.approx(np.nanmin(y, initial=99), rel=1e-7)
+            assert (trace["name"], trace["line"]["color"]) == (series.label, line.get_color())
+
+    def test_a_ripple_on_a_large_constant_is_seen(self) -> None:
+        trace = plotly_figure(self.PANELS[4])["data"][0]
+        assert trace["line"]["simplify"] is False
+        values = unpacked(trace["y"])
+        assert values.max() - values.min() == pytest.approx(2e-9, rel=1e-6)
+        assert len(np.unique(values)) > 1000  # in single precision: one
+        low, high = limits(self.PANELS[4])["y"] or (0, 0)
+        assert high - low == pytest.approx(2.2e-9, rel=1e-6)
+
+    def test_room_and_guides(self) -> None:
+        assert limits(self.PANELS[0]) == {"x": (0.0, 9.0), "y": (-2.25, 3.25)}
+        assert limits(self.PANELS[3])["y"] == (1.9, 2.1)
+        assert limits(self.PANELS[5]) == {"x": (0.0, 1.5), "y": (-1.1, 1.1)}
+        assert limits(self.PANELS[1])["y"] == pytest.approx((1e-9 * 10**-0.45, 10**0.45))
+        assert limits(self.PANELS[6]) == {"x": (0.0, 1.0), "y": None}
 
 
 class TestPng:

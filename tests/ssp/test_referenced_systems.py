@@ -92,7 +92,7 @@ def test_files_of_bindings_are_looked_for_where_the_binding_stands(package, fmus
     [
         ("x.ssd", DEFINITION, {}, "the system of component s is missing: the archive has no file 'x.ssd'"),
         ("#x", DEFINITION, {}, "SystemStructure.ssd has no system with the id 'x'"),
-        ("x.ssp", PACKAGE, {"x.ssp": "no zip"}, "x.ssp is no SSP, it is not a zip archive"),
+        ("x.ssp", PACKAGE, {"x.ssp": "no zip"}, "x.ssp is not a readable zip archive"),
         ("Sub.ssd", DEFINITION, {"Sub.ssd": ssd("")}, "connector s.i: Sub.ssd has none such of kind input"),
         ("SystemStructure.ssd", DEFINITION, {}, "component s refers to a system in which it is itself"),
         ("../x.ssd", DEFINITION, {}, "only files inside the .ssp are read"),

@@ -110,6 +110,7 @@ def models(n: int = 3) -> dict[str, list[Variable]]:
             parameter("from", 0.0),
             Variable("y", "output"),
         ],
+        "hostile": [state("x", 0.0), derivative("x", []), parameter("from", 0.5), Variable("y", "output")],
         "typed": [
             parameter("n", 0, type="Int32"),
             parameter("flag", 0, type="Boolean"),

@@ -27,4 +27,5 @@ static void update(Model *m) {
         m->again = 1; /* once more, to no effect */
     }
     if (due || isinf(m->next_event)) m->next_event = m->v[period] * (floor(m->time / (double)m->v[period] + 1e-9) + 1);
+    if (m->v[nowhere] > 0 && due) m->next_event = NAN;
 }

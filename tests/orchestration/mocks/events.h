@@ -25,6 +25,8 @@ enum { INITIALIZATION, EVENT_MODE, CONTINUOUS };
 typedef struct {
     double time, next_event, v[N_VALUES], nominal[N_STATES + 1];
     double floor; /* time must not fall below */
+    double stop;  /* as it was told */
+    int terminate; /* event() and completed() may set it */
     int mode;
     int again, values_changed, nominals_changed; /* what event() found */
     fmi2CallbackFunctions fmi2;
@@ -84,7 +86,14 @@ static int set(Model *m, unsigned vr, double value) {
     m->v[vr] = value;
     return 0;
 }
+static int beyond(Model *m, double t) {
+    char text[100];
+    if (!(t > m->stop)) return 0;
+    snprintf(text, sizeof text, "t = %.17g is beyond the stop time %.17g", t, m->stop);
+    return say(m, 3, text);
+}
 static int set_time(Model *m, double t) {
+    if (beyond(m, t)) return 3;
     if (t < m->floor) return say(m, 3, "time goes back behind an event or a completed step");
     m->time = t;
     return 0;
@@ -126,6 +135,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
 void fmi2FreeInstance(fmi2Component c) { free(c); }
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean d, fmi2Real tol, fmi2Real t, fmi2Boolean e, fmi2Real stop) {
     M->time = M->floor = t;
+    M->stop = e ? stop : INFINITY;
     return fmi2OK;
 }
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) { return fmi2OK; }
@@ -158,9 +168,10 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *e) {
     const int status = update(M);
     *e = (fmi2EventInfo){0};
     e->newDiscreteStatesNeeded = M->again;
+    e->terminateSimulation = M->terminate;
     e->valuesOfContinuousStatesChanged = M->values_changed;
     e->nominalsOfContinuousStatesChanged = M->nominals_changed;
-    e->nextEventTimeDefined = isfinite(M->next_event);
+    e->nextEventTimeDefined = !isinf(M->next_event);
     e->nextEventTime = M->next_event;
     return (fmi2Status)status;
 }
@@ -172,7 +183,7 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean b, fmi2Boole
     IN(1 << CONTINUOUS, "fmi2CompletedIntegratorStep");
     M->floor = M->time;
     *asks = completed(M);
-    *terminate = 0;
+    *terminate = M->terminate;
     return fmi2OK;
 }
 fmi2Status fmi2SetTime(fmi2Component c, fmi2Real t) {
@@ -210,6 +221,7 @@ void fmi3FreeInstance(fmi3Instance c) { free(c); }
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean d, fmi3Float64 tol, fmi3Float64 t, fmi3Boolean s,
                                        fmi3Float64 stop) {
     M->time = M->floor = t;
+    M->stop = s ? stop : INFINITY;
     return fmi3OK;
 }
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { return (fmi3Status)fmi2ExitInitializationMode(c); }

@@ -32,6 +32,7 @@ typedef struct {
     unsigned char active[N_VALUES];
     int mode, events_used, early_allowed;
     int early, event, terminate, again; /* what advance() and update() found */
+    double stop; /* as it was told */
     double last, next_event, given_interval[N_VALUES];
     int count[N_VALUES]; /* a model may count here */
     char resources[400];
@@ -118,9 +119,16 @@ static int set(Model *m, unsigned vr, size_t j, long double value) {
     m->v[vr + j] = value;
     return 0;
 }
+static int beyond(Model *m, double t) {
+    char text[100];
+    if (!(t > m->stop)) return 0;
+    snprintf(text, sizeof text, "t = %.17g is beyond the stop time %.17g", t, m->stop);
+    return say(m, 3, text);
+}
 static int step(Model *m, double t, double h) {
     if (in(m, ONLY(STEP_MODE), "doStep")) return 3;
     if (fabs(t - m->time) > 1e-9) return say(m, 3, "the step does not begin where the one before ended");
+    if (beyond(m, t + h)) return 3;
     if (h <= 0.0) return say(m, 3, "the step has no length");
     m->early = m->event = m->terminate = 0;
     m->last = t + h;
@@ -148,6 +156,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
 void fmi2FreeInstance(fmi2Component c) { free(c); }
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean d, fmi2Real tol, fmi2Real t, fmi2Boolean e, fmi2Real stop) {
     M->time = t;
+    M->stop = e ? stop : INFINITY;
     return fmi2OK;
 }
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
@@ -266,6 +275,7 @@ fmi3Status fmi3ExitConfigurationMode(fmi3Instance c) {
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean d, fmi3Float64 tol, fmi3Float64 t, fmi3Boolean s,
                                        fmi3Float64 stop) {
     M->time = t;
+    M->stop = s ? stop : INFINITY;
     return (fmi3Status)fmi2EnterInitializationMode(c);
 }
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c) {
@@ -350,7 +360,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *needed, fmi3Boo
     *nominals = *values = false;
     *needed = M->again;
     *terminate = M->terminate;
-    *defined = isfinite(M->next_event);
+    *defined = !isinf(M->next_event);
     *next = M->next_event;
     return (fmi3Status)status;
 }

@@ -8,5 +8,7 @@ static int calculate(Mock *m) {
     }
     return 0;
 }
-static int step(Mock *m, double t, double h) { return 0; }
+static int step(Mock *m, double t, double h) {
+    return m->v[k] >= 1e9 && m->v[u] > 4 ? say(m, 3, "u is too large for this gain") : 0;
+}
 static int update(Mock *m) { return 0; }

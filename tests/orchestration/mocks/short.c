@@ -1,9 +1,12 @@
-/* x' = 1 in steps of at most `longest`: longer ones are returned from early; none get on after `stuck`, if not 0 */
+/* x' = 1 in steps of at most `longest`: longer ones are returned from early; none get on after `stuck`, if not 0.
+ * From 0.5 s on `wrong`, if not 0, has them return early at no time of theirs. */
 #include "foreign.h"
 
 static int calculate(Model *m) { return (void)m, 0; }
 static int advance(Model *m, double t, double h) {
-    if (!m->early_allowed) return say(m, 3, "early return is not allowed");
+    static const double nowhere[] = {0, NAN, INFINITY, -1};
+    if (m->v[wrong] > 0 && t >= 0.5) return m->last = nowhere[(int)m->v[wrong]], m->early = 1, 0;
+    if (!m->early_allowed && m->v[wrong] == 0) return say(m, 3, "early return is not allowed");
     if (h > m->v[longest] * 1.000001L) {
         m->last = t + (double)m->v[longest];
         m->early = 1;

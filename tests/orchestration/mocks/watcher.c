@@ -1,4 +1,5 @@
-/* x' = 1; looks at x after each integrator step, and asks for an event where it has passed the threshold. */
+/* x' = 1; looks at x after each integrator step, and asks for an event where it has passed the threshold.
+ * It ends the simulation after the first step that reaches `ends_at`. */
 #define EVENT
 #define COMPLETED
 #include "events.h"
@@ -11,6 +12,7 @@ static int calculate(Model *m) {
 
 static int completed(Model *m) {
     m->v[steps] += 1.0;
+    m->terminate = m->time >= m->v[ends_at];
     return m->v[x] > m->v[threshold] && !m->v[fired];
 }
 

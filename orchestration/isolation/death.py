@@ -1,0 +1,95 @@
+"""How a process ended, in words; and what that makes of its run."""
+
+from __future__ import annotations
+
+import signal
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from orchestration.instance import CallFailed
+from orchestration.isolation import journal
+from orchestration.isolation.journal import Kept
+from orchestration.manifest import completed
+from orchestration.results import Result
+from orchestration.system import System
+
+_SIGNALS = {
+    "SIGSEGV": "a segmentation fault",
+    "SIGBUS": "a bus error, as a library that is cut off makes it",
+    "SIGABRT": "abort, as a failed assertion or an exception that nobody catches calls it",
+    "SIGFPE": "an arithmetic trap",
+    "SIGILL": "an illegal instruction",
+    "SIGKILL": "from outside, as for lack of memory",
+    "SIGXFSZ": "a file beyond its limit",
+}
+_EXCEPTIONS = {0xC0000005: "an access violation", 0xC00000FD: "a stack overflow", 0xC0000409: "abort"}  # of Windows
+
+
+def how(code: int | None) -> str:
+    """Say how a process ended that `subprocess` reports with this code; None if that is not known."""
+    if code is None:
+        return "it is not known how"
+    if code < 0:
+        try:
+            name = signal.Signals(-code).name
+        except ValueError:
+            name = f"signal {-code}"
+        return f"{name}, {_SIGNALS[name]}" if name in _SIGNALS else name
+    if code >= 0x80000000:
+        return f"exception 0x{code:08X}" + (f", {_EXCEPTIONS[code]}" if code in _EXCEPTIONS else "")
+    return f"exit code {code}"
+
+
+def failure(kept: Kept, code: int | None) -> CallFailed:
+    """Say which call of which component ended the process, and when."""
+    k, component, action = kept.where.now
+    what = f"{action} ended the process: {how(code)}" if action else f"the process ended: {how(code)}"
+    failed = CallFailed(component or "the run", what)
+    settings = kept.about["manifest"]["settings"]
+    if kept.where.place.started:
+        coupled = settings["method"] == "model-exchange"
+        last = float(kept.times[-1]) if len(kept.times) else float(settings["start_time"])
+        failed.time = last if coupled else settings["start_time"] + k * settings["step"]
+    return failed
+
+
+@dataclass(frozen=True)
+class Found:
+    """What is left of a run. `failed` is None where all rows are there: then the process ended at its very end."""
+
+    result: Result
+    failed: CallFailed | None
+    about: dict[str, Any]
+
+    @property
+    def message(self) -> str:
+        """What to say of it, if it failed."""
+        return f"{self.failed}; {len(self.result.time)} rows are kept"
+
+
+def found(path: Path, code: int | None, hung: float | None = None) -> Found:
+    """Return what a journal tells of a run whose process ended with a code, or since it hung for some time (s)."""
+    kept = journal.read(path)
+    manifest: dict[str, Any] = kept.notes or kept.about["manifest"]
+    manifest.setdefault("warnings", [])
+    manifest.setdefault("timing", {})
+    about = manifest["system"]
+    system = System(about["name"], about["description"])
+    failed = failure(kept, code)
+    if hung is not None:
+        failed.text = f"{kept.where.now[2] or 'it'} did not return within {hung:.3g} s, and its process was ended"
+    rows = len(kept.times)
+    if kept.where.place.finished:
+        manifest["warnings"].append(f"{failed.component}: {failed.text}; all rows are there")
+        manifest["outcome"] = {**completed(manifest), "rows": rows}
+    else:
+        manifest["outcome"] = {
+            "status": "failed",
+            "component": failed.component,
+            "time": failed.time,
+            "message": failed.text,
+            "rows": rows,
+        }
+    result = Result(system, kept.times, kept.data, kept.ports, manifest)
+    return Found(result, None if kept.where.place.finished else failed, kept.about)

@@ -1,0 +1,87 @@
+"""The side of the run in `adcs run`: what its supervisor has to know of it. Nothing happens where there is none.
+
+The supervisor, `adcs/supervisor.py`, makes a folder and names it in the environment; all that is said goes there.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+from orchestration.isolation import orphan
+from orchestration.isolation.lock import Lock
+from orchestration.isolation.where import Place
+
+MARK = "ADCS_SUPERVISED"
+_OUT_OF_THE_WAY = 210  # of a component that closes "all" descriptors
+_MOST = 2**20  # bytes of what components print that are passed on at once
+
+_folder: Path | None = None
+printed: Callable[[], bool] | None = None
+"""Whether components have printed to the standard output since it was asked; None where that is not looked after."""
+
+
+def begin() -> None:
+    """Take up what the supervisor has said."""
+    global _folder, printed
+    name = os.environ.pop(MARK, None)
+    if name is None:
+        return
+    _folder = Path(name)
+    Lock(_folder / ".alive").take()
+    orphan.end_with_parent()
+    with suppress(ImportError, OSError):
+        printed = _Printed(_folder / "printed")
+
+
+def watch(journal: Path, timeout: float) -> None:
+    """Say where the run is noted, and how long a call may take (s)."""
+    if _folder is not None:
+        finite = timeout if timeout < 1e12 else None
+        content = {"journal": str(journal), "timeout": finite, "size": ctypes.sizeof(Place), "at": 64}
+        content |= {"doing": Place.doing.offset, "idle": -1}
+        (_folder / "watch.part").write_text(json.dumps(content), encoding="utf-8")
+        (_folder / "watch.part").replace(_folder / "watch")
+
+
+def end(code: int) -> None:
+    """Say that the command is done: what happens to the process after that is of no account."""
+    if printed is not None:
+        printed()
+    with suppress(OSError, ValueError):
+        sys.stdout.flush()
+    if _folder is not None:
+        with suppress(OSError):
+            (_folder / "done.part").write_text(str(code), encoding="ascii")
+            (_folder / "done.part").replace(_folder / "done")
+
+
+class _Printed:
+    """What is written to descriptor 1 past Python goes to the standard error, so that `--json` stays JSON."""
+
+    def __init__(self, path: Path) -> None:
+        import fcntl
+
+        out = fcntl.fcntl(1, fcntl.F_DUPFD, _OUT_OF_THE_WAY)
+        self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o600)
+        high = fcntl.fcntl(self._file, fcntl.F_DUPFD_CLOEXEC, _OUT_OF_THE_WAY)
+        os.dup2(self._file, 1)
+        os.close(self._file)
+        self._file = high
+        sys.stdout = os.fdopen(out, "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)
+        self._flush = ctypes.CDLL(None).fflush
+
+    def __call__(self) -> bool:
+        self._flush(None)
+        with suppress(OSError):
+            content = os.pread(self._file, _MOST, 0)
+            if content:
+                os.ftruncate(self._file, 0)
+                os.write(2, content)
+                return True
+        return False

@@ -1,0 +1,89 @@
+"""Where a run is: the point, the call that goes on and its component, in memory that may outlive the process."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import Any
+
+ACTIONS = ("get", "set", "solving an algebraic loop", "doStep", "setTime", "setContinuousStates", "getDerivatives")
+"""The calls that the engine makes, by its numbers for them."""
+
+_SOLVE = 2
+_IDLE, _FROM_PYTHON = -1, -2  # what is done instead of a call of the engine
+_TEXT = 256
+
+Doing = tuple[int, str, str]
+"""Point, component and action that is going on; both names are empty where no component is at work."""
+
+
+class Place(ctypes.Structure):
+    """The memory; its first five fields are the engine's `Where`."""
+
+    _fields_ = (
+        ("k", ctypes.c_int64),
+        ("rows", ctypes.c_int64),
+        ("count", ctypes.c_int64),
+        ("doing", ctypes.c_int32),
+        ("component", ctypes.c_int32),
+        ("finished", ctypes.c_int32),
+        ("started", ctypes.c_int32),
+        ("text", ctypes.c_char * _TEXT),
+    )
+
+
+class Where:
+    """Notes where a run is; read from another thread, or from another process after this one has died.
+
+    `rows` is how many rows are complete. `finished` says that the last one is there, and the components are only to be
+    terminated and freed; `started`, that initialisation is over.
+    """
+
+    def __init__(self, place: Any = None, names: Sequence[str] = ()) -> None:
+        """`place` is a `Place`; `names` are the components in the engine's order."""
+        self.place = Place(doing=_IDLE) if place is None else place
+        self.names = list(names)
+        self.at_finish: Callable[[], None] | None = None
+
+    def finish(self) -> None:
+        """Note that the last row is there."""
+        self.place.finished = 1
+        if self.at_finish is not None:
+            self.at_finish()
+
+    def call(self, component: str, action: str) -> None:
+        """Note that a call is about to be made from Python."""
+        self.place.text = f"{component}\t{action}".encode()[: _TEXT - 1]
+        self.place.count += 1
+        self.place.doing = _FROM_PYTHON
+
+    def idle(self) -> None:
+        """Note that no component is at work."""
+        self.place.doing = _IDLE
+
+    def move(self, place: Any) -> None:
+        """Go on in another memory."""
+        ctypes.memmove(ctypes.addressof(place), ctypes.addressof(self.place), ctypes.sizeof(Place))
+        self.place = place
+
+    @property
+    def now(self) -> Doing:
+        """What is going on."""
+        place = self.place
+        k, doing = int(place.k), int(place.doing)
+        if doing == _FROM_PYTHON:
+            component, _, action = place.text.decode("utf-8", "replace").partition("\t")
+            return k, component, action
+        if not 0 <= doing < len(ACTIONS):
+            return k, "", ""
+        name = ""
+        if doing != _SOLVE:
+            with suppress(IndexError):
+                name = self.names[place.component]
+        return k, name, ACTIONS[doing]
+
+    @property
+    def pulse(self) -> tuple[Any, ...]:
+        """What changes as long as the run goes on."""
+        return (*self.now, int(self.place.count), int(self.place.rows))

@@ -1,0 +1,248 @@
+// Saving and restoring an instance. What is restored is checked first by its header and checksum, then, once loaded, for
+// being a state that an instance can be in; what is not leaves the instance as it was.
+#include "fmi/saved_state.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+
+#include "fmi/conditions.hpp"
+#include "fmi/instance.hpp"
+
+namespace adcs {
+namespace {
+
+/// Bytes of values after the header.
+class Reader {
+public:
+    explicit Reader(const std::byte* at) : at_(at) {}
+    double next() {
+        double value;
+        std::memcpy(&value, at_, sizeof value);
+        at_ += sizeof value;
+        return value;
+    }
+
+private:
+    const std::byte* at_;
+};
+
+bool is_integer(double value) { return value >= -2147483648.0 && value <= 2147483647.0 && std::floor(value) == value; }
+
+double element(const Variable& v, std::uint32_t e) {
+    return v.type == Type::float64 ? static_cast<const double*>(v.data)[e]
+                                   : static_cast<double>(static_cast<const std::int32_t*>(v.data)[e]);
+}
+
+bool same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+}  // namespace
+
+std::size_t Instance::state_size() const { return sizeof(SavedHeader) + (table().next_vr + n_held_) * sizeof(double); }
+
+void Instance::save(std::byte* bytes) const {
+    SavedHeader header{};
+    header.magic = SavedHeader::its_magic;
+    header.version = SavedHeader::its_version;
+    header.size = state_size();
+    std::memcpy(header.token, token_, sizeof token_);
+    header.time = time_;
+    header.stop_time = stop_time_;
+    header.clock = clock_;
+    header.next_sample = next_sample_;
+    header.mode = mode_;
+    header.interface = static_cast<std::uint8_t>(interface_);
+    header.stop_defined = stop_defined_ ? 1 : 0;
+    header.at_sample = at_sample_ ? 1 : 0;
+    header.outputs_fresh = outputs_fresh_ ? 1 : 0;
+    header.derivatives_fresh = derivatives_fresh_ ? 1 : 0;
+    header.parameters_checked = parameters_checked_ ? 1 : 0;
+    header.inputs_checked = inputs_checked_ ? 1 : 0;
+    std::byte* at = bytes + sizeof header;
+    for (const Variable& v : table()) {
+        for (std::uint32_t e = 0; e < v.size; ++e, at += sizeof(double)) {
+            const double value = element(v, e);
+            std::memcpy(at, &value, sizeof value);
+        }
+    }
+    std::memcpy(at, held_, n_held_ * sizeof(double));
+    std::memcpy(bytes, &header, sizeof header);
+    header.checksum = saved_checksum(bytes, state_size());
+    std::memcpy(bytes, &header, sizeof header);
+}
+
+/// Takes over everything; the bytes have the right size, and their integers are integers.
+void Instance::load(const std::byte* bytes) {
+    SavedHeader header;
+    std::memcpy(&header, bytes, sizeof header);
+    time_ = header.time;
+    stop_time_ = header.stop_time;
+    clock_ = header.clock;
+    next_sample_ = header.next_sample;
+    mode_ = static_cast<Mode>(header.mode);
+    stop_defined_ = header.stop_defined != 0;
+    at_sample_ = header.at_sample != 0;
+    outputs_fresh_ = header.outputs_fresh != 0;
+    derivatives_fresh_ = header.derivatives_fresh != 0;
+    parameters_checked_ = header.parameters_checked != 0;
+    inputs_checked_ = header.inputs_checked != 0;
+    Reader values(bytes + sizeof header);
+    for (const Variable& v : table()) {
+        for (std::uint32_t e = 0; e < v.size; ++e) {
+            if (v.type == Type::float64) {
+                static_cast<double*>(v.data)[e] = values.next();
+            } else {
+                static_cast<std::int32_t*>(v.data)[e] = static_cast<std::int32_t>(values.next());
+            }
+        }
+    }
+    std::memcpy(held_, bytes + sizeof header + table().next_vr * sizeof(double), n_held_ * sizeof(double));
+}
+
+/// Whether bytes are a state of this kind of component, undamaged, and can be loaded.
+Status Instance::check_saved(const char* function, const void* bytes, std::size_t size) {
+    SavedHeader header;
+    if (bytes == nullptr) return null_pointer(function);
+    std::memcpy(&header.magic, bytes, sizeof header.magic);  // nothing else is looked at of what is not a saved state
+    if (header.magic != SavedHeader::its_magic) return error("%s: this is not a saved state", function);
+    std::memcpy(&header.version, static_cast<const std::byte*>(bytes) + offsetof(SavedHeader, version),
+                sizeof header.version);
+    if (header.version != SavedHeader::its_version) {
+        return error("%s: the saved state has format %u, expected %u: it comes from another version of this FMU",
+                     function, header.version, SavedHeader::its_version);
+    }
+    std::memcpy(&header, bytes, sizeof header);
+    if (header.size != size) {
+        return error("%s: the saved state says that it has %llu bytes, expected %zu", function,
+                     static_cast<unsigned long long>(header.size), size);
+    }
+    if (header.checksum != saved_checksum(static_cast<const std::byte*>(bytes), size)) {
+        return error("%s: the saved state is damaged, its checksum does not fit", function);
+    }
+    if (std::memcmp(header.token, token_, sizeof token_) != 0 ||
+        header.interface != static_cast<std::uint8_t>(interface_)) {
+        return error("%s: the saved state is not from this kind of component", function);
+    }
+    const unsigned own_modes =
+        interface_ == Interface::co_simulation ? unsigned{mode_step} : unsigned{mode_event | mode_continuous};
+    const unsigned modes = mode_instantiated | mode_initialization | mode_terminated | own_modes;
+    const bool one_mode = header.mode != 0 && (header.mode & (header.mode - 1)) == 0;
+    if (!one_mode || (header.mode & modes) == 0) {
+        return error("%s: the saved state has no mode of this interface: %u", function, header.mode);
+    }
+    for (const std::uint8_t flag : {header.stop_defined, header.at_sample, header.outputs_fresh,
+                                    header.derivatives_fresh, header.parameters_checked, header.inputs_checked}) {
+        if (flag > 1) return error("%s: the saved state has a flag that is neither 0 nor 1", function);
+    }
+    Reader values(static_cast<const std::byte*>(bytes) + sizeof header);
+    for (const Variable& v : table()) {
+        for (std::uint32_t e = 0; e < v.size; ++e) {
+            const double value = values.next();
+            if (v.type == Type::int32 && !is_integer(value)) {
+                return error("%s: %s = %g in the saved state, but an integer is expected", function, v.name, value);
+            }
+        }
+    }
+    return Status::ok;
+}
+
+/// Whether an instance can be in the state just loaded.
+Status Instance::check_loaded(const char* function) {
+    if (!std::isfinite(time_) || (stop_defined_ && std::isnan(stop_time_)) || !same(*clock_time_, time_)) {
+        return error("%s: the saved state has the times %g, %g and %g", function, time_, *clock_time_, stop_time_);
+    }
+    for (const Variable& v : table()) {
+        const bool settable = v.causality == Causality::parameter || v.causality == Causality::input;
+        const bool computed =
+            (v.causality == Causality::output && outputs_fresh_) || (v.role == Role::derivative && derivatives_fresh_);
+        if (!settable && !computed && v.role != Role::state && v.role != Role::held) continue;
+        for (std::uint32_t e = 0; e < v.size; ++e) {
+            const double value = element(v, e);
+            const bool in_bounds = !settable || (value > v.above && value >= v.min && value <= v.max);
+            if (std::isfinite(value) && in_bounds) continue;
+            char name[128];
+            element_name(v, e, name, sizeof name);
+            return error("%s: %s = %g in the saved state", function, name, value);
+        }
+        const bool checked = v.causality == Causality::input ? inputs_checked_ : parameters_checked_ && settable;
+        char fault[320];
+        if (checked && !meets_condition(v, fault, sizeof fault)) return error("%s: %s", function, fault);
+    }
+    for (std::size_t i = 0; i < n_held_; ++i) {
+        if (!std::isfinite(held_[i])) return error("%s: a held value of the saved state is %g", function, held_[i]);
+    }
+    if (parameters_checked_) {
+        if (const char* fault = model_->validate(); fault != nullptr) return error("%s: %s", function, fault);
+    }
+
+    // The clock belongs to the parameters, and the next sample to the time.
+    const bool running = (mode_ & (mode_instantiated | mode_initialization)) == 0;
+    const SampleTimes expected = running || parameters_checked_ ? model_->sample_times() : clock_;
+    bool good = same(clock_.period, expected.period) && same(clock_.offset, expected.offset) && next_sample_ >= 0;
+    good = good && clock_.period >= 0.0 && std::isfinite(clock_.period) && std::isfinite(clock_.offset);
+    good = good && (clock_.period > 0.0 || (next_sample_ == 0 && !at_sample_));
+    if (good && clock_.period > 0.0) {
+        constexpr double some = 1e-6;  // of a period
+        const double ahead = (instant(next_sample_) - time_) / clock_.period;
+        good = next_sample_ <= 9007199254740992;  // 2^53, beyond which its instant is not exact
+        if (mode_ == mode_step) good = good && ahead > -1.0 - some && (ahead < 1.0 + some || next_sample_ == 0);
+        if (mode_ == mode_step) good = good && at_sample_ == sample_due(time_);
+    }
+    if (!good) {
+        return error("%s: the clock of the saved state does not fit: sample %lld at t = %g, period %g s", function,
+                     static_cast<long long>(next_sample_), time_, clock_.period);
+    }
+    return Status::ok;
+}
+
+Status Instance::restore(const char* function, const void* state) {
+    if (Status status = check_saved(function, state, state_size()); status != Status::ok) return status;
+    save(backup_);
+    load(static_cast<const std::byte*>(state));
+    const Status status = check_loaded(function);
+    if (status != Status::ok) load(backup_);
+    return status;
+}
+
+Status Instance::save_new(const char* function, void** state) {
+    if (state == nullptr) return null_pointer(function);
+    if (*state != nullptr) {  // to be overwritten
+        if (Status status = check_saved(function, *state, state_size()); status != Status::ok) return status;
+    } else {
+        *state = std::malloc(state_size());
+        if (*state == nullptr) return error("%s: no memory for a saved state", function);
+    }
+    save(static_cast<std::byte*>(*state));
+    return Status::ok;
+}
+
+Status Instance::serialize(const char* function, const void* state, void* bytes, std::size_t size) {
+    if (bytes == nullptr) return null_pointer(function);
+    if (size < state_size()) return error("%s: %zu bytes given, %zu expected", function, size, state_size());
+    if (Status status = check_saved(function, state, state_size()); status != Status::ok) return status;
+    std::memcpy(bytes, state, state_size());
+    return Status::ok;
+}
+
+Status Instance::deserialize(const char* function, const void* bytes, std::size_t size, void** state) {
+    if (bytes == nullptr || state == nullptr) return null_pointer(function);
+    if (size != state_size()) return error("%s: %zu bytes given, %zu expected", function, size, state_size());
+    if (Status status = check_saved(function, bytes, size); status != Status::ok) return status;
+    if (*state != nullptr) {
+        if (Status status = check_saved(function, *state, size); status != Status::ok) return status;
+    } else {
+        *state = std::malloc(size);
+        if (*state == nullptr) return error("%s: no memory for a saved state", function);
+    }
+    std::memcpy(*state, bytes, size);
+    return Status::ok;
+}
+
+void Instance::free_state(void** state) {
+    if (state == nullptr || *state == nullptr) return;
+    *static_cast<volatile std::uint32_t*>(*state) = 0;  // its magic number
+    std::free(*state);
+    *state = nullptr;
+}
+
+}  // namespace adcs

@@ -1,0 +1,71 @@
+"""`adcs info` of what is in files."""
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+import fmus
+from fmus.errors import AdcsError
+from orchestration.cli import app
+from orchestration.ssp import write_ssp
+from studies.registry import SYSTEMS
+
+
+def info(*arguments):
+    result = CliRunner().invoke(app, ["info", *map(str, arguments)])
+    if result.exception and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result.stdout
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_an_fmu(version):
+    path = fmus.fmu_path("RigidBody", version)
+    told = json.loads(info(path, "--json"))
+    assert (told["name"], told["fmi_version"]) == ("RigidBody", version)
+    assert told["interfaces"] == ["co-simulation", "model-exchange"]
+    assert len(told["states"]) == 7
+    inertia = next(v for v in told["variables"] if v["name"] == "J_B")
+    assert (inertia["shape"], inertia["unit"], inertia["causality"]) == ([3, 3], "kg.m2", "parameter")
+    torque = next(v for v in told["variables"] if v["name"] == "torque_B")
+    assert (torque["variability"], torque["start"]) == ("continuous", [0.0, 0.0, 0.0])
+    shown = info(path)
+    assert f"FMI {version}, co-simulation and model-exchange, for " in shown
+    assert "omega_BN_B" in shown
+
+
+def test_what_else_an_fmu_may_have(mock, version):
+    told = json.loads(info(mock("typed", version), "--json"))
+    kinds = {v["name"]: v["type"] for v in told["variables"]}
+    assert (kinds["flag"], kinds["n"], kinds["matrix"]) == ("Boolean", "Int32", "Float64")
+    assert told["interfaces"] == ["co-simulation", "model-exchange"]
+
+
+def test_an_ssp_file(tmp_path):
+    write_ssp(SYSTEMS["full-state-pd"].build(), tmp_path / "a.ssp", stop_time=5.0, step=0.01)
+    told = json.loads(info(tmp_path / "a.ssp", "--json"))
+    assert (told["start_time"], told["stop_time"], told["step"]) == (0.0, 5.0, 0.01)
+    assert {"plant", "controller", "guidance"} <= {c["name"] for c in told["components"]}
+    assert ["controller.torque_B", "plant.torque_B"] in told["connections"]
+    assert "stop 5 s, step 0.01 s" in info(tmp_path / "a.ssp")
+
+
+def test_which_parameters_may_change_in_a_run():
+    assert "tunable" in info("PdTracking")
+    assert "tunable" in info(fmus.fmu_path("PdTracking"))
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("none.fmu", "cannot open none.fmu: No such file or directory"),
+        ("none.ssp", "cannot open none.ssp: No such file or directory"),
+        ("RigidBdy", "no component is called RigidBdy: did you mean RigidBody?, or give an .fmu or .ssp file"),
+    ],
+)
+def test_what_is_not_there(name, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(AdcsError) as error:
+        info(name)
+    assert str(error.value) == message

@@ -1,0 +1,283 @@
+"""What a component does to its process, and what is left of the run."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import scipy.io
+from hostile import adcs, as_file, start, system, until
+
+from fmus.errors import AdcsError
+from orchestration import RunFailed, run
+from orchestration.isolation import journal
+from orchestration.isolation.lock import Lock
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+
+SEGFAULT = "SIGSEGV, a segmentation fault"
+TIMES = {"stop_time": 1.0, "step": 0.1}
+
+
+@pytest.mark.parametrize(
+    ("name", "message", "rows"),
+    [
+        ("segfault_doStep", f"failed at t = 0.5 s: doStep ended the process: {SEGFAULT}; 6 rows are kept", 6),
+        ("exit_doStep", "failed at t = 0.5 s: doStep ended the process: exit code 0; 6 rows are kept", 6),
+        ("quit_get", "failed at t = 0.5 s: get ended the process: exit code 0; 5 rows are kept", 5),
+        ("kill_doStep", "ended the process: SIGKILL, from outside, as for lack of memory; 6 rows are kept", 6),
+    ],
+)
+def test_a_component_that_ends_its_process_is_named_and_the_rows_are_kept(mock, name, message, rows):
+    with pytest.raises(RunFailed) as failed:
+        run(system(mock, name), **TIMES, isolated=True)
+    assert str(failed.value).endswith(message)
+    assert str(failed.value).startswith(name)
+    result = failed.value.result
+    assert result.time.tolist() == [0.1 * k for k in range(rows)]
+    assert result[f"{name}.y"].tolist() == [1 + t / 1000 for t in result.time]
+    assert result.manifest["outcome"]["component"] == name
+
+
+def test_one_that_dies_while_it_is_stepped_from_python_is_named(mock):
+    with pytest.raises(RunFailed, match=f"failed at t = 0.5 s: doStep ended the process: {SEGFAULT}; 6 rows are kept$"):
+        run(system(mock, "segfault_doStep"), **TIMES, isolated=True, stepping="python")
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_one_that_dies_before_the_run_has_begun_is_named(mock, version):
+    with pytest.raises(
+        AdcsError, match=r"^abort_instantiate: instantiating ended the process: SIGABRT, abort"
+    ) as error:
+        run(system(mock, "abort_instantiate", version), **TIMES, isolated=True, fmi_version=version)
+    assert not isinstance(error.value, RunFailed)
+
+
+def test_one_that_dies_in_model_exchange_is_named(mock):
+    name = "segfault_setTime"
+    with pytest.raises(RunFailed, match=f"setTime ended the process: {SEGFAULT}; 5 rows are kept$") as failed:
+        run(system(mock, name), **TIMES, isolated=True, method="model-exchange")
+    assert failed.value.result.time.tolist() == [0.1 * k for k in range(5)]
+
+
+@pytest.mark.parametrize("name", ["segfault_terminate", "exit_free"])
+def test_one_that_dies_at_the_end_does_not_cost_the_run(mock, name):
+    result = run(system(mock, name), **TIMES, isolated=True)
+    assert len(result.time) == 11
+    assert result.manifest["outcome"] == {"status": "complete", "rows": 11}
+    (warning,) = result.manifest["warnings"]
+    assert warning.startswith(f"{name}: ")
+    assert warning.endswith("; all rows are there")
+
+
+def test_an_isolated_run_is_the_same_to_the_last_bit(chain, tmp_path):
+    seen = []
+    here = run(chain(), stop_time=10, step=0.01)
+    apart = run(chain(), stop_time=10, step=0.01, isolated=True, progress=seen.append)
+    assert np.array_equal(apart.time, here.time)
+    assert np.array_equal(apart.data, here.data)
+    assert apart.names == here.names
+    assert apart.manifest["outcome"] == here.manifest["outcome"]
+    filed = run(chain(), stop_time=10, step=0.01, isolated=True, hdf5=tmp_path / "result.h5")
+    assert np.array_equal(filed["integrator.y"], here["integrator.y"])
+
+
+def test_an_isolated_run_refuses_by_name_what_cannot_cross(chain):
+    with pytest.raises(AdcsError, match=r"^watchers: they are part of this process"):
+        run(chain(), **TIMES, isolated=True, watchers=[lambda simulation: ()])
+    with pytest.raises(AdcsError, match=r"^record: it cannot cross to the process of an isolated run"):
+        run(chain(), **TIMES, isolated=True, record=(name for name in ("gain.y",)))
+    with pytest.raises(AdcsError, match=r"^stop_time = -1\.0 s lies before start_time"):
+        run(chain(), stop_time=-1.0, step=0.1, isolated=True)
+
+
+@pytest.mark.parametrize(
+    ("name", "changed"),
+    [
+        ("rounding_doStep", "changed the rounding mode, which was changed back"),
+        ("denormals_doStep", "changed the flushing of denormal numbers, which was changed back"),
+        ("folder_instantiate", "changed the working directory to /, which was changed back"),
+        ("umask_doStep", "changed the umask to 777, which was changed back"),
+        ("signals_doStep", "took SIGINT for itself, which was given back"),
+    ],
+)
+@pytest.mark.parametrize("stepping", ["compiled", "python"])
+def test_what_a_component_changes_for_all_is_changed_back_and_reported(mock, name, changed, stepping, tmp_path):
+    from benchmarks import loop
+
+    if name == "denormals_doStep" and os.uname().machine != "x86_64":
+        pytest.skip("the mock knows the control register of x86-64 only")
+    alone = run(loop.system(), **TIMES)
+    made = loop.system()
+    made.add(name, mock("hostile"))
+    folder, mask = Path.cwd(), os.umask(0o022)
+    os.umask(mask)
+    result = run(made, **TIMES, stepping=stepping)
+    assert f"{name}: {changed}" in result.manifest["warnings"]
+    assert len([w for w in result.manifest["warnings"] if "changed the" in w]) <= 1
+    assert np.array_equal(result["plant.q_BN"], alone["plant.q_BN"])
+    assert Path.cwd() == folder
+    assert os.umask(mask) == mask
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.parametrize("call", ["instantiate", "initialise", "doStep", "terminate", "free"])
+def test_a_call_that_hangs_is_given_up_wherever_it_is(mock, call):
+    name = f"hang_{call}"
+    words = {"instantiate": "instantiating", "initialise": "entering initialisation", "doStep": "doStep"}
+    words |= {"terminate": "terminating", "free": "freeing"}
+    hung = f"{words[call]} did not return within 0.5 s"
+    if call in ("terminate", "free"):
+        result = run(system(mock, name), **TIMES, timeout=0.5)
+        assert len(result.time) == 11
+        assert result.manifest["warnings"] == [f"{name}: {hung}; all rows are there"]
+    elif call == "doStep":
+        with pytest.raises(RunFailed, match=f"^{name} failed at t = 0.5 s: {hung}; 6 rows are kept$"):
+            run(system(mock, name), **TIMES, timeout=0.5)
+    else:
+        with pytest.raises(AdcsError, match=f"^{name}: {hung}$"):
+            run(system(mock, name), **TIMES, timeout=0.5)
+
+
+def test_a_call_that_hangs_in_model_exchange_is_given_up(mock):
+    with pytest.raises(RunFailed, match=r"setTime did not return within 0\.5 s; 5 rows are kept$"):
+        run(system(mock, "hang_setTime"), **TIMES, timeout=0.5, method="model-exchange")
+
+
+@pytest.mark.parametrize("kind", ["csv", "mat", "hdf5"])
+def test_the_command_line_makes_the_files_of_a_run_that_died(mock, tmp_path, kind):
+    name = "segfault_doStep"
+    as_file(mock, tmp_path, name)
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out/result.csv").write_text("of a run before")
+    options = ("--stop", 1, "--step", 0.1, "--out", "out", "--format", kind)
+    code, _, err = adcs("run", f"{name}.ssp", *options, cwd=tmp_path)
+    assert code == 1, err
+    message = f"{name} failed at t = 0.5 s: doStep ended the process: {SEGFAULT}"
+    assert err.splitlines()[-1] == f"adcs: {message}; 6 rows are kept"
+    assert "Traceback" not in err
+    manifest = json.loads((tmp_path / "out/manifest.json").read_text())
+    assert manifest["outcome"]["status"] == "failed"
+    assert manifest["outcome"]["component"] == name
+    expected = [1 + 0.1 * k / 1000 for k in range(6)]
+    if kind == "csv":
+        table = np.genfromtxt(tmp_path / "out/result.csv", delimiter=",", names=True, deletechars="")
+        assert table[f"{name}.y[-]"].tolist() == expected
+    else:
+        assert not (tmp_path / "out/result.csv").exists()
+    if kind == "mat":
+        y = scipy.io.loadmat(tmp_path / "out/result.mat", simplify_cells=True)[name]["y"]
+        assert y.tolist() == expected
+    if kind == "hdf5":
+        with h5py.File(tmp_path / "out/result.h5") as file:
+            assert file[f"{name}/y"][:].tolist() == expected
+    assert not (tmp_path / "out" / journal.NAME).exists()
+    assert (tmp_path / "out/previous/result.csv").read_text() == "of a run before"
+
+
+def test_exit_at_the_end_is_no_end_of_a_run(mock, tmp_path):
+    """exit(0) ends the command with 0, which must not be taken for success unless the rows are there."""
+    as_file(mock, tmp_path, "exit_terminate")
+    options = ("--stop", 1, "--step", 0.1, "--format", "csv", "--out", "out", "--json")
+    code, out, err = adcs("run", "exit_terminate.ssp", *options, cwd=tmp_path)
+    assert code == 0, err
+    assert json.loads(out)["outcome"] == {"status": "complete", "rows": 11}
+    assert sorted(file.name for file in (tmp_path / "out").iterdir()) == [
+        "manifest.json",
+        "report.html",
+        "report.png",
+        "result.csv",
+    ]
+    (warning,) = json.loads((tmp_path / "out/manifest.json").read_text())["warnings"]
+    assert warning == "exit_terminate: terminating ended the process: exit code 0; all rows are there"
+
+
+def test_what_a_component_prints_does_not_get_into_json_nor_its_folder_into_paths(mock, tmp_path):
+    made = system(mock, "print_doStep")
+    made.add("folder_doStep", mock("hostile", name="another"))
+    from orchestration.ssp import write_ssp
+
+    write_ssp(made, tmp_path / "two.ssp")
+    options = ("--stop", 1, "--step", 0.1, "--format", "csv", "--out", "out", "--json", "--no-report")
+    code, out, err = adcs("run", "two.ssp", *options, cwd=tmp_path)
+    assert code == 0, err
+    assert json.loads(out)["files"] == ["out/result.csv", "out/manifest.json"]
+    assert '{"wheel": 1}' in err
+    assert (tmp_path / "out/result.csv").exists()
+    warnings = json.loads((tmp_path / "out/manifest.json").read_text())["warnings"]
+    assert any("changed the working directory to /" in w for w in warnings)
+    assert any("prints to the standard output" in w for w in warnings)
+
+
+LONG = ("--stop", 1e6, "--step", 0.1, "--record", "source.y", "--out", "out", "--no-report", "--format", "csv")
+
+
+def _rows(folder) -> int:
+    try:
+        return len(journal.read(folder / "out" / journal.NAME).times)
+    except AdcsError:
+        return 0
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_signals_end_a_run_with_its_files_written(mock, tmp_path, number):
+    as_file(mock, tmp_path, "signals_doStep")  # which takes them for itself
+    pace = ("--real-time", 1, "--stop", 1000)
+    process = start(
+        "run",
+        "signals_doStep.ssp",
+        *LONG,
+        *pace,
+        cwd=tmp_path,
+        before=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    until(lambda: _rows(tmp_path) > 10)
+    refused, _, message = adcs("run", "signals_doStep.ssp", *LONG, cwd=tmp_path)
+    assert (refused, len(message.splitlines())) == (1, 1)
+    assert "out belongs to a run that goes on (process " in message
+    process.send_signal(number)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 128 + number, err
+    lines = (tmp_path / "out/result.csv").read_text().splitlines()
+    assert len(lines) > 10
+    assert json.loads((tmp_path / "out/manifest.json").read_text())["outcome"] == {
+        "status": "interrupted",
+        "rows": len(lines) - 1,
+    }
+
+
+@pytest.mark.parametrize("who", ["run", "supervisor", "both"])
+def test_kill_leaves_the_rows_up_to_the_last_step(mock, tmp_path, who):
+    as_file(mock, tmp_path, "fine_never")
+    process = start("run", "fine_never.ssp", *LONG, "--real-time", 1, "--stop", 1000, cwd=tmp_path)
+    until(lambda: _rows(tmp_path) > 5)
+    assert json.loads((tmp_path / "out/manifest.json").read_text())["outcome"]["status"] == "running"
+    child = int(Lock(tmp_path / "out/run.lock").holder)
+    assert child != process.pid
+    before = _rows(tmp_path)
+    if who != "run":
+        process.kill()
+    if who != "supervisor":
+        os.kill(child, signal.SIGKILL)
+    process.communicate(timeout=60)
+    if who == "run":
+        assert process.returncode == 1
+    if who == "supervisor":  # the run notices, and ends as after Ctrl-C
+        until(lambda: not (tmp_path / "out/run.lock").exists())
+    if who == "both":
+        kept = _rows(tmp_path)
+        code, _, err = adcs("recover", "out", cwd=tmp_path)
+        assert code == 0, err
+        assert f"; {kept} rows are kept" in err
+    lines = (tmp_path / "out/result.csv").read_text().splitlines()
+    assert len(lines) - 1 >= before
+    times = [float(line.split(",")[0]) for line in lines[1:]]
+    assert times == [0.1 * k for k in range(len(times))]
+    code, _, err = adcs("recover", "out", cwd=tmp_path)
+    assert (code, err.count("\n")) == (1, 1)
+    assert err.startswith("adcs: out has no run.journal")

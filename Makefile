@@ -8,11 +8,11 @@ BIN := $(VENV)/bin
 SOURCES_CXX = $(shell git ls-files '*.hpp' '*.cpp' 'orchestration/engine/*.c' 'orchestration/engine/*.h')
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format fmus check bench attack sanitize fuzz lock clean
+.PHONY: help demo test lint format fmus check bench attack conformance sanitize fuzz lock clean
 
 help:
 	@sed -n 's/^# \{0,1\}//p' Makefile | head -3
-	@echo "make lint (needs a C++ compiler) | format | fmus (all platforms; COMPONENTS="RigidBody ..." for some) | check | sanitize, fuzz (need a C++ compiler) | bench | attack | lock | clean"
+	@echo "make lint (needs a C++ compiler) | format | fmus (all platforms; COMPONENTS="RigidBody ..." for some) | check | sanitize, fuzz (need a C++ compiler) | bench | attack | conformance | lock | clean"
 
 $(VENV)/installed: requirements/run.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed, this is " + sys.version.split()[0] + "; try: make PYTHON=python3.12" if sys.version_info < (3, 11) else 0)'
@@ -84,6 +84,10 @@ attack: $(VENV)/installed-dev
 	$(BIN)/python -m tests.attack 200
 	ADCS_FUZZ=100000 $(BIN)/python -m pytest -q -s tests/bridge/test_security.py tests/bridge/test_attacks.py tests/hil/test_attacks.py
 	if command -v "$${CXX:-c++}" >/dev/null; then $(MAKE) fuzz TRIES=5000 COMPONENTS="RigidBody StarTracker"; fi
+
+# The standard's own Reference-FMUs from a folder of their source: make conformance SOURCES=DIR; writes docs/conformance.md.
+conformance: $(VENV)/installed-dev
+	$(BIN)/python -m tests.conformance $(SOURCES)
 
 # Names, versions and hashes of everything that is installed, for all platforms and Python versions.
 lock:

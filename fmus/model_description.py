@@ -91,7 +91,7 @@ def fmi2(d: Description, source_files: Iterable[str] = ()) -> bytes:
             group = _add(structure, name)
             for vr, knowns in rows.items():
                 if name != "InitialUnknowns":  # FMI 3.0 counts parameters among what is known during a run, FMI 2.0 not
-                    knowns = [k for k in knowns if d.at(k).causality != "parameter"]
+                    knowns = tuple(k for k in knowns if d.at(k).causality != "parameter")
                 attributes = {"index": index[vr], "dependencies": _join(sorted(index[k] for k in knowns))}
                 _add(group, "Unknown", attributes)
     return serialised(root)

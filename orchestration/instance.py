@@ -217,6 +217,15 @@ class Instance:
         message = self.last_message or "the FMU gave no message"
         return CallFailed(self.name, f"{action} returned {reason}{more}: {message}{self._fed(f'{action} {message}')}")
 
+    def ends_with_discarded(self, time: float, step: float) -> bool:
+        """Whether an FMI 2 FMU has discarded a step to end the simulation at its very end: it is done, then.
+
+        The FMU has no other way to say so; `wants_end` is set.
+        """
+        last = self._last_successful_time() if self.terminated else None
+        self.wants_end = last is not None and last >= time + step - SNAP * step
+        return self.wants_end
+
     def _last_successful_time(self) -> float | None:
         """Ask an FMI 2 FMU that has discarded a step how far it got."""
         with suppress(FMICallException):
@@ -404,7 +413,11 @@ class Instance:
             self._stepper.step(time, step)
             return
         if self.major == 2:
-            self.call("doStep", "doStep", time, step)
+            try:
+                self.call("doStep", "doStep", time, step)
+            except EndRequested:
+                if not self.ends_with_discarded(time, step):
+                    raise
             return
         event, terminate, early, last = c_bool(), c_bool(), c_bool(), c_double(time + step)  # which not all FMUs set
         do_step = getattr(self.handle, "_functions")["fmi3DoStep"]  # noqa: B009 - what fmpy loaded

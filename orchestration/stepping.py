@@ -159,9 +159,9 @@ class Stepper:
         status = self._call(time, step)
         if status == PENDING and instance.asynchronous:
             status = self._wait()
-        if status == DISCARD and self._retries:
-            if instance.terminated:
-                raise instance.failure("doStep", status)  # which is its wish to end
+        if status == DISCARD and instance.ends_with_discarded(time, step):
+            return False, False, time + step
+        if status == DISCARD and self._retries and not instance.terminated:  # else it wants to end before
             raise _Discarded
         if status not in (0, 1):
             raise instance.failure("doStep", status)

@@ -24,7 +24,7 @@ from orchestration.propagation import Ring, action_of, not_finite, not_held, not
 _SOURCE = Path(__file__).with_name("engine.c")
 _FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-Wall", "-Wextra", "-shared")
 
-_GET, _SET, _SOLVE, _DO_STEP, _SET_TIME, _SET_STATES, _GET_DERIVATIVES = range(7)
+_GET, _SET, _SOLVE, _DO_STEP, _SET_TIME, _SET_STATES, _GET_DERIVATIVES, _ASK_DISCARDED = range(8)
 _STATUS, _NOT_FINITE, _TERMINATED, _EARLY_RETURN, _DOES_NOT_FIT, _NOT_MAPPED, _RAISED, _GIVEN_UP = range(1, 9)
 _TYPES = ["Float64", "Float32", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64", "Boolean"]
 _CONTROLS = ("the rounding mode", "the flushing of denormal numbers", "the traps of floating-point exceptions")
@@ -265,6 +265,8 @@ class Engine:
             if kind == _SOLVE:
                 assert self._solve is not None
                 self._solve(number)
+            elif kind == _ASK_DISCARDED:
+                return 2 if self._instances[number].ends_with_discarded(time, step) else 0
             else:
                 instance = self._instances[number]
                 instance.do_step(time, step)

@@ -67,7 +67,7 @@ typedef struct {
 
 enum { CHANGED_ROUNDING = 1, CHANGED_DENORMALS = 2, CHANGED_TRAPS = 4 };
 
-enum { GET, SET, SOLVE, DO_STEP, SET_TIME, SET_STATES, GET_DERIVATIVES };
+enum { GET, SET, SOLVE, DO_STEP, SET_TIME, SET_STATES, GET_DERIVATIVES, ASK_DISCARDED };
 enum { FLOAT64, FLOAT32, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, BOOL8, BOOL32 };
 
 typedef struct {
@@ -126,7 +126,8 @@ typedef struct {
 
 enum { IDLE = -1 };
 
-/* 0: done, 1: it raised, 2: done, and the component asks to end the simulation */
+/* 0: done, 1: it raised, 2: done, and the component asks to end the simulation. ASK_DISCARDED: whether an FMI 2 step
+ * that was discarded is done all the same, 2, because that is how the FMU ends the simulation. */
 typedef int (*Callback)(int32_t kind, int32_t number, double time, double step);
 
 typedef struct {
@@ -173,6 +174,8 @@ static bool fail(Plan* plan, int reason, int kind, size_t component, size_t call
     plan->failure = (Failure){reason, kind, (int32_t)component, (int32_t)call, status, (int32_t)element};
     return false;
 }
+
+#define DISCARD 2 /* fmi2Discard */
 
 /* fmi2OK and fmi2Warning, fmi3OK and fmi3Warning; anything else, also what no standard knows, is a failure */
 static bool good(int status) { return status == 0 || status == 1; }
@@ -372,6 +375,9 @@ static bool do_step(Plan* plan, size_t i, int64_t k, double time, double step) {
     const int status = c->fmi == 2 ? c->do_step.fmi2(c->instance, time, step, 1)
                                    : c->do_step.fmi3(c->instance, time, step, true, &event, &terminate, &early, &last);
     look_after(plan, c);
+    if (c->fmi == 2 && status == DISCARD && plan->callback(ASK_DISCARDED, (int32_t)i, time, step) == 2) {
+        return end_at(plan, i, k, time, step, false, time + step);
+    }
     if (!good(status)) return fail(plan, STATUS, DO_STEP, i, 0, status, 0);
     if (terminate) return end_at(plan, i, k, time, step, early, last);
     if (early) {

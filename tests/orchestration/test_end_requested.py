@@ -19,7 +19,7 @@ from orchestration.linear import linearize
 from orchestration.live import Pace
 
 STEPPINGS = ("compiled", "python")
-TAKEN, DISCARDED, EARLY = 0, 1, 2
+TAKEN, DISCARDED, EARLY, TAKEN_BY_DISCARD = 0, 1, 2, 3
 ME = {"method": "model-exchange"}
 Foreign = Callable[..., Path]
 
@@ -75,6 +75,18 @@ def test_with_a_step_it_discards(foreign, version, stepping):
     result = run(system, stop_time=1.0, step=0.125, stepping=stepping)
     assert result["c.x"].tolist() == [0.0, 0.125, 0.25, 0.375]
     assert ended(result) == {"component": "c", "time": 0.375, "message": "landed"}
+
+
+@pytest.mark.parametrize("stepping", STEPPINGS)
+@pytest.mark.parametrize("saves", [None, "true"])
+def test_with_a_step_that_fmi_2_discards_at_its_end(foreign, stepping, saves):
+    """The last successful time is the end of the step, so its row is kept: as for the step that FMI 3 takes."""
+    fmu = foreign("quitter", "2.0", name=f"saves_{saves}", canGetAndSetFMUstate=saves)
+    result = run(pair(fmu, {"at": 0.5, "how": TAKEN_BY_DISCARD}), stop_time=1.0, step=0.125, stepping=stepping)
+    assert result.time.tolist() == [0.0, 0.125, 0.25, 0.375, 0.5]
+    for name in ("before", "c", "after"):
+        assert result[f"{name}.x"].tolist() == result.time.tolist()
+    assert ended(result) == {"component": "c", "time": 0.5, "message": "landed"}
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)

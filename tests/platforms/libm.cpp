@@ -5,7 +5,7 @@
 #include "attitude/random.hpp"
 
 int main() {
-    adcs::Random random(1, 1);
+    adcs::Random random = adcs::Stream("libm").draw(1, 1);
     std::uint64_t hash = 0xcbf29ce484222325U;
     for (int i = 0; i < 100000; ++i) {
         const double x = 20.0 * random.uniform() - 10.0;

@@ -133,10 +133,11 @@ class Fmu:
 
     def configured(self, start: Mapping[str, Sequence[Any]]) -> Fmu:
         """Return the FMU with the array sizes that the structural parameters among these start values ask for."""
+        of_dimensions = {d.valueReference for v in self.model.modelVariables for d in v.dimensions}
         sizes = {
             self.ports[name].references[0]: int(values[0])
             for name, values in start.items()
-            if self.ports[name].causality == "structuralParameter"
+            if self.ports[name].references[0] in of_dimensions  # a structural parameter need not be a size
         }
         if not sizes:
             return self

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable
+from typing import Any, Protocol
 
 from fmus.model_description import SEED_TYPE
 from orchestration.fmu import Port
@@ -27,3 +28,23 @@ def default_seed(component: str, port: Port) -> tuple[int, ...]:
     """
     names = (f"{component}.{element}" for element in port.elements)
     return tuple(int.from_bytes(hashlib.sha256(name.encode()).digest()[:4], "big") >> 1 for name in names)
+
+
+class _System(Protocol):
+    components: dict[str, Any]
+    """By name, as in `System`."""
+
+
+def shared_seeds(system: _System) -> list[str]:
+    """Say which components of the same kind have the same seed, and so the same noise; a line for each seed."""
+    found: dict[tuple[str, str, Any], list[str]] = {}
+    for component in system.components.values():
+        for port in seeds_of(component.fmu.ports.values()):
+            kind = component.fmu.model.modelName
+            found.setdefault((kind, port.name, component.start.get(port.name, port.start)), []).append(component.name)
+    return [
+        f"{' and '.join(names)} ({kind}) have the same {variable} = {', '.join(map(str, seed or ()))}, and so the same "
+        f"noise: give them different ones, as in --set {names[1]}.{variable}=2"
+        for (kind, variable, seed), names in found.items()
+        if len(names) > 1
+    ]

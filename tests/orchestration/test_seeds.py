@@ -116,3 +116,13 @@ def test_seeds_of_many_names_differ_and_fit() -> None:
     found = {default_seed(f"ring/{i}/tracker", port)[0] for i in range(2000)}
     assert len(found) == 2000
     assert 0 <= min(found) < max(found) < 2**31
+
+
+def test_the_same_seed_in_two_of_a_kind_is_a_warning() -> None:
+    """Also where nobody gave it, as in an SSP file that leaves each FMU its own."""
+    assert make_manifest(gyros(), "2.0", {})["warnings"] == []
+    (warning,) = make_manifest(gyros(port=1, starboard=1), "2.0", {})["warnings"]
+    assert warning == (
+        "port and starboard (InertialMeasurementUnit) have the same seed = 1, and so the same noise: give them different "
+        "ones, as in --set starboard.seed=2"
+    )

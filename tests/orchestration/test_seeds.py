@@ -123,6 +123,6 @@ def test_the_same_seed_in_two_of_a_kind_is_a_warning() -> None:
     assert make_manifest(gyros(), "2.0", {})["warnings"] == []
     (warning,) = make_manifest(gyros(port=1, starboard=1), "2.0", {})["warnings"]
     assert warning == (
-        "port and starboard (InertialMeasurementUnit) have the same seed = 1, and so the same noise: give them different "
-        "ones, as in --set starboard.seed=2"
+        "port and starboard (InertialMeasurementUnit) have the same seed = 1, and so the same noise: give them "
+        "different ones, as in --set starboard.seed=2"
     )

@@ -50,6 +50,7 @@ class _Run:
         self._asked = 0  # the signal by which someone asked it to end
         self._asked_at = 0.0
         self._hung = 0.0  # s, for which a call has not returned
+        self._resumed = 0.0  # when this process went on after Ctrl-Z
         own: dict[str, Any] = {"process_group": 0} if _POSIX else {}  # signals go through here
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-m", "adcs.child", *arguments],
@@ -101,14 +102,19 @@ class _Run:
         """Ctrl-Z: the run stops, too, and goes on when this process does."""
         self._process.send_signal(signal.SIGSTOP)
         os.kill(os.getpid(), signal.SIGSTOP)
+        self._resumed = time.monotonic()
         self._process.send_signal(signal.SIGCONT)
 
     def _watch(self) -> None:
         """End a process whose own watchdog cannot: it is stuck in a call, or after it was done."""
         seen, since = b"", time.monotonic()
+        pulse, beat = self._read("pulse"), since
         while self._process.poll() is None:
             time.sleep(_LOOK)
             now = time.monotonic()
+            beat = max(beat, self._resumed)
+            if (found := self._read("pulse")) != pulse:
+                pulse, beat = found, now
             if self._read("done") is not None:
                 time.sleep(_EXIT)
                 self._process.kill()
@@ -117,8 +123,9 @@ class _Run:
             if place != seen or not place:
                 seen, since = place, now
             asked = self._asked_at and now - self._asked_at > _GRACE and now - since > _GRACE
-            if asked or now - since > patience + _GRACE:
-                self._hung = now - since
+            frozen = pulse is not None and now - beat > patience + _GRACE  # as a lock of the loader does it, or SIGSTOP
+            if asked or frozen or now - since > patience + _GRACE:
+                self._hung = now - (beat if frozen else since)
                 self._process.kill()
                 return
 

@@ -341,6 +341,8 @@ def run(
         show(result, numbers, errors, files)
     if stopped is not None:
         raise typer.Exit(exit_code(stopped))
+    if endings.noted:
+        raise typer.Exit(128 + endings.last)
 
 
 def _as_argument(system: str) -> str:

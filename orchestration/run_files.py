@@ -11,7 +11,7 @@ from typing import Any
 
 from fmus.errors import AdcsError
 from orchestration import hdf5
-from orchestration.isolation import supervised
+from orchestration.isolation import endings, supervised
 from orchestration.isolation.folder import MANIFEST, ResultsFolder
 from orchestration.isolation.journal import Journal
 from orchestration.results import Result
@@ -59,10 +59,13 @@ class RunFiles:
     def write(self, result: Result, stopped: bool) -> list[Path]:
         """Write the files; AdcsError says where the rows are, should one of them fail."""
         try:
-            files = write_files(result, self.folder, self._formats)
-        except (AdcsError, KeyboardInterrupt) as error:
-            reason = str(error) or "interrupted while the files were written"
-            raise AdcsError(f"{reason}; {kept_in(self.folder, len(result.time))}") from error
+            with endings.patient():
+                files = write_files(result, self.folder, self._formats)
+        except KeyboardInterrupt as error:
+            kept = f"{len(result.time)} rows are kept in {self.folder}: `adcs recover {self.folder}` writes them"
+            raise AdcsError(f"interrupted while the files were written; {kept}") from error
+        except AdcsError as error:
+            raise AdcsError(f"{error}; {kept_in(self.folder, len(result.time))}") from error
         self._written = True
         self.journal.close(remove=True)
         if not stopped:

@@ -102,6 +102,7 @@ def as_json(result: Result, numbers: Sequence[report.KeyNumber], files: Sequence
         "outcome": result.manifest["outcome"],
         "timing": result.manifest["timing"],
         **{name: result.manifest[name] for name in optional if name in result.manifest},
+        **({"warnings": result.manifest["warnings"]} if result.manifest.get("warnings") else {}),
         "key_numbers": [{"label": n.label, "value": _finite(n.value), "unit": n.unit, "note": n.note} for n in numbers],
         "files": [str(file) for file in files],
     }

@@ -50,7 +50,7 @@ def failure(kept: Kept, code: int | None) -> CallFailed:
     if kept.where.place.started:
         coupled = settings["method"] == "model-exchange"
         last = float(kept.times[-1]) if len(kept.times) else float(settings["start_time"])
-        failed.time = last if coupled else settings["start_time"] + k * settings["step"]
+        failed.time = last if coupled else min(settings["start_time"] + k * settings["step"], settings["stop_time"])
     return failed
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -15,10 +16,34 @@ last: int = signal.SIGINT
 _SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
 
 
+noted = False
+"""Whether one came while what had to be finished was being finished."""
+
+_SOON = 1.0  # s; what comes so soon after another one is the same wish
+_at = -_SOON
+_patient = False
+
+
 def _end(number: int, frame: FrameType | None) -> None:
-    global last
-    last = number
+    global last, noted, _at
+    last, before, _at = number, _at, time.monotonic()
+    if _at - before < _SOON:
+        return
+    if _patient and not noted:
+        noted = True
+        return
     raise KeyboardInterrupt
+
+
+@contextmanager
+def patient() -> Iterator[None]:
+    """Within it the first one is noted only, and what is short is finished; a second one, a while later, ends it."""
+    global _patient, noted
+    _patient, noted = True, False
+    try:
+        yield
+    finally:
+        _patient = False
 
 
 @contextmanager

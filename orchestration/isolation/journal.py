@@ -147,7 +147,8 @@ class Journal:
     def close(self, *, remove: bool = False) -> None:
         """Close the file; `remove` it when all that is in it is elsewhere. Rows stay readable in this process."""
         if self._file >= 0:
-            os.close(self._file)
+            with suppress(OSError):  # a component may have closed it
+                os.close(self._file)
             self._file = -1
         if remove:
             with suppress(PermissionError):  # of Windows, which removes no file that is mapped: the next run does

@@ -6,12 +6,15 @@ The supervisor, `adcs/supervisor.py`, makes a folder and names it in the environ
 from __future__ import annotations
 
 import ctypes
+import itertools
 import json
 import os
 import sys
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from threading import Thread
 
 from orchestration.isolation import orphan
 from orchestration.isolation.lock import Lock
@@ -19,6 +22,7 @@ from orchestration.isolation.where import Place
 
 MARK = "ADCS_SUPERVISED"
 _OUT_OF_THE_WAY = 210  # of a component that closes "all" descriptors
+_PULSE = 0.5  # s
 _MOST = 2**20  # bytes of what components print that are passed on at once
 
 _folder: Path | None = None
@@ -35,8 +39,20 @@ def begin() -> None:
     _folder = Path(name)
     Lock(_folder / ".alive").take()
     orphan.end_with_parent()
+    Thread(target=_beat, args=(_folder / "pulse",), daemon=True, name="pulse").start()
     with suppress(ImportError, OSError):
         printed = _Printed(_folder / "printed")
+
+
+def _beat(path: Path) -> None:
+    """Show that this process is alive, by another number again and again.
+
+    One that is stopped, or stuck with Python's lock in its hands, does not.
+    """
+    for number in itertools.count():
+        with suppress(OSError):
+            path.write_text(str(number), encoding="ascii")
+        time.sleep(_PULSE)
 
 
 def watch(journal: Path, timeout: float) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+import time
 from pathlib import Path
 
 import h5py
@@ -214,6 +215,25 @@ def test_what_a_component_prints_does_not_get_into_json_nor_its_folder_into_path
     assert any("prints to the standard output" in w for w in warnings)
 
 
+@pytest.mark.parametrize(
+    ("name", "code", "status", "rows"),
+    [("stop_doStep", 1, "failed", 6), ("unload_doStep", 0, "complete", 11)],
+)
+def test_a_process_that_stands_still_is_ended_from_outside(mock, tmp_path, name, code, status, rows):
+    """Stopped; or stuck in the loader, whose lock the import of a writer waits for, when all rows are there."""
+    as_file(mock, tmp_path, name)
+    options = ("--stop", 1, "--step", 0.1, "--format", "csv", "--format", "mat", "--out", "out", "--no-report")
+    ended, _, err = adcs("run", f"{name}.ssp", *options, "--timeout", 2, cwd=tmp_path)
+    assert ended == code, err
+    assert "Traceback" not in err
+    assert len((tmp_path / "out/result.csv").read_text().splitlines()) == rows + 1
+    assert (tmp_path / "out/result.mat").exists()
+    manifest = json.loads((tmp_path / "out/manifest.json").read_text())
+    assert (manifest["outcome"]["status"], manifest["outcome"]["rows"]) == (status, rows)
+    said = manifest["outcome"].get("message", "") + "".join(manifest["warnings"])
+    assert "did not return within" in said
+
+
 LONG = ("--stop", 1e6, "--step", 0.1, "--record", "source.y", "--out", "out", "--no-report", "--format", "csv")
 
 
@@ -249,6 +269,19 @@ def test_signals_end_a_run_with_its_files_written(mock, tmp_path, number):
         "status": "interrupted",
         "rows": len(lines) - 1,
     }
+
+
+def test_a_signal_sent_twice_is_one(mock, tmp_path):
+    as_file(mock, tmp_path, "fine_never")
+    process = start("run", "fine_never.ssp", *LONG, "--real-time", 1, "--stop", 1000, cwd=tmp_path)
+    until(lambda: _rows(tmp_path) > 10)
+    process.send_signal(signal.SIGTERM)
+    time.sleep(0.05)
+    process.send_signal(signal.SIGTERM)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 128 + signal.SIGTERM, err
+    assert json.loads((tmp_path / "out/manifest.json").read_text())["outcome"]["status"] == "interrupted"
+    assert not (tmp_path / "out" / journal.NAME).exists()
 
 
 @pytest.mark.parametrize("who", ["run", "supervisor", "both"])

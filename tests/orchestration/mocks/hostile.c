@@ -40,6 +40,12 @@ static void flush_denormals(void) {
 #endif
 }
 
+static int hangs_when_unloaded;
+
+__attribute__((destructor)) static void unloaded(void) {
+    while (hangs_when_unloaded) sleep(1);
+}
+
 static void deed(void) {
 #define IS(WHAT) if (strcmp(what, WHAT) == 0)
     IS("segfault") *(volatile int *)8 = 1;
@@ -59,6 +65,8 @@ static void deed(void) {
     IS("denormals") flush_denormals();
     IS("locale") setlocale(LC_ALL, "C");
     IS("signals") { signal(SIGINT, SIG_IGN); signal(SIGTERM, SIG_IGN); }
+    IS("stop") raise(SIGSTOP);
+    IS("unload") hangs_when_unloaded = 1;
     IS("close") for (int i = 0; i < 64; ++i) close(i);
 }
 

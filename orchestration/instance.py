@@ -422,6 +422,7 @@ class Instance:
         event, terminate, early, last = c_bool(), c_bool(), c_bool(), c_double(time + step)  # which not all FMUs set
         do_step = getattr(self.handle, "_functions")["fmi3DoStep"]  # noqa: B009 - what fmpy loaded
         results = [byref(r) for r in (event, terminate, early, last)]
+        self.begins("doStep")
         status = do_step(self.handle.component, time, step, True, *results)
         if status not in (0, 1):
             raise self.failure("doStep", status)

@@ -424,6 +424,9 @@ class Instance:
         results = [byref(r) for r in (event, terminate, early, last)]
         self.begins("doStep")
         status = do_step(self.handle.component, time, step, True, *results)
+        self._where.idle()
+        if self._guard is not None and not self.ours:
+            self._guard.thread(self.name)
         if status not in (0, 1):
             raise self.failure("doStep", status)
         if terminate.value:

@@ -279,13 +279,17 @@ class Instance:
         except FMICallException as error:
             raise self.failure(action, error.status) from error
         finally:
-            self._where.idle()
-            if self._guard is not None and not self.ours:
-                self._guard.thread(self.name)
+            self._returned()
 
     def begins(self, action: str) -> None:
         """Note that a call is about to be made past `call`."""
         self._where.call(self.name, action)
+
+    def _returned(self) -> None:
+        """Note that a call has returned, and put back what it changed of the thread."""
+        self._where.idle()
+        if self._guard is not None and not self.ours:
+            self._guard.thread(self.name)
 
     def _check(self) -> None:
         if self._guard is not None and not self.ours:
@@ -424,9 +428,7 @@ class Instance:
         results = [byref(r) for r in (event, terminate, early, last)]
         self.begins("doStep")
         status = do_step(self.handle.component, time, step, True, *results)
-        self._where.idle()
-        if self._guard is not None and not self.ours:
-            self._guard.thread(self.name)
+        self._returned()
         if status not in (0, 1):
             raise self.failure("doStep", status)
         if terminate.value:

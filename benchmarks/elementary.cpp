@@ -32,7 +32,7 @@ double time_of(F f, const double* x, bool chained) {
 
 template <class Ours, class Theirs>
 void compare(const char* name, double low, double high, Ours ours, Theirs theirs) {
-    adcs::Random random(1, 1);
+    adcs::Random random = adcs::Stream("elementary").draw(1, 1);
     double x[n];
     for (double& element : x) element = low + (high - low) * random.uniform();
     std::printf("%s", name);

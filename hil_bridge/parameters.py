@@ -105,7 +105,8 @@ def parameters(system: System, without: Sequence[str] = ()) -> list[Parameter]:
 
 def _settable(port: Port) -> bool:
     numeric = port.type.startswith(("Float", "Int", "UInt", "Boolean"))
-    return numeric and (port.causality == "input" or (port.causality == "parameter" and port.variability == "tunable"))
+    tunable = port.causality == "parameter" and port.variability == "tunable"
+    return numeric and port.alias_of is None and (port.causality == "input" or tunable)
 
 
 def _range(fmu: Fmu, port: Port, element: str) -> tuple[float, float]:

@@ -49,6 +49,8 @@ class Extras:
     clocked: Mapping[int, frozenset[int]] = field(default_factory=dict)
     starts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     relative: frozenset[str] = frozenset()
+    limits: Mapping[str, tuple[int | None, int | None]] = field(default_factory=dict)
+    """The least and the largest value of each structural parameter of an unsigned type that declares any."""
 
 
 def for_fmpy(content: bytes, root: Any) -> io.BytesIO:
@@ -112,7 +114,17 @@ def read_extras(root: Any) -> Extras:
         if texts:
             names = [element.get("name"), *(alias.get("name") for alias in element.findall("Alias"))]
             starts.update(dict.fromkeys(names, texts))
-    return Extras(tuple(_clock(e) for e in variables if e.tag == "Clock"), clocked, starts, _relative(root))
+    limits = {
+        element.get("name"): (_number(element.get("min")), _number(element.get("max")))
+        for element in variables
+        if element.get("causality") == "structuralParameter" and element.tag.startswith("UInt")
+    }
+    clocks = tuple(_clock(e) for e in variables if e.tag == "Clock")
+    return Extras(clocks, clocked, starts, _relative(root), limits)
+
+
+def _number(text: str | None) -> int | None:
+    return None if text is None else int(text)
 
 
 def _relative(root: Any) -> frozenset[str]:

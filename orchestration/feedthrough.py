@@ -36,8 +36,8 @@ class Feedthrough:
     def _listed(self, unknowns: Iterable[Any]) -> Mapping[str, list[str]]:
         node_of, inputs = self._fmu.node_of, set(self._inputs)
         return {
-            node_of[u.variable.name]: self._inputs
+            node_of(u.variable): self._inputs
             if u.dependencies is None
-            else [node for v in u.dependencies if (node := node_of[v.name]) in inputs]
+            else [node for v in u.dependencies if (node := node_of(v)) in inputs]
             for u in unknowns
         }

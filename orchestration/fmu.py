@@ -32,6 +32,7 @@ from orchestration.description import (
 )
 from orchestration.feedthrough import Feedthrough
 from orchestration.isolation.temporary import temporary_folder
+from orchestration.nodes import Nodes
 
 FmiVersion = Literal["2.0", "3.0"]
 Kind = Literal["co-simulation", "model-exchange"]
@@ -69,6 +70,10 @@ class Port:
     description: str
     items: tuple[tuple[str, int], ...] = ()
     declared_type: str | None = None
+    limits: tuple[int | None, int | None] = (None, None)
+    """The least and the largest value of a structural parameter, where the FMU declares them."""
+    alias_of: str | None = None
+    """Of which variable it is another name (`<Alias>` of FMI 3.0)."""
     relative: bool = False
     """Whether it is a difference (relativeQuantity), of temperatures say: the offset of a unit is none of it."""
 
@@ -83,9 +88,9 @@ class Port:
         return element_names(self.name, self.shape)
 
     @property
-    def nodes(self) -> list[str]:
-        """The names of what has a value reference of its own: each element in FMI 2, the whole array in FMI 3."""
-        return self.elements if len(self.references) > 1 else [self.name]
+    def structural(self) -> bool:
+        """Whether it is set in configuration mode, before everything else: a size of arrays, or what else it may be."""
+        return self.causality == "structuralParameter"
 
     @property
     def settable(self) -> bool:
@@ -97,15 +102,16 @@ class Port:
 class Fmu:
     """A checked FMU file.
 
-    `node_of` gives the node (`Port.nodes`) of each variable of the model description. `states` names the elements of
-    the continuous state vector in the FMU's own order. `directional` holds the interfaces with directional derivatives.
+    `places` gives the port, and the element of it, that each variable of the model description is. `states` names the
+    elements of the continuous state vector in the FMU's own order. `directional` holds the interfaces with directional
+    derivatives.
     """
 
     path: Path
     sha256: str
     model: ModelDescription
     ports: Mapping[str, Port]
-    node_of: Mapping[str, str]
+    places: Mapping[str, tuple[str, int]]
     states: tuple[str, ...]
     directional: frozenset[str] = frozenset()
     clocks: tuple[Clock, ...] = ()
@@ -113,13 +119,21 @@ class Fmu:
     """The clocks (references) to which a clocked variable (reference) belongs: it has no value of its own between."""
 
     @cached_property
-    def nodes(self) -> Mapping[str, tuple[Port, list[int]]]:
-        """Of each node, the port to which it belongs and the elements that it has."""
-        return {
-            node: (port, [i] if len(port.nodes) > 1 else list(range(port.size)))
-            for port in self.ports.values()
-            for i, node in enumerate(port.nodes)
-        }
+    def nodes(self) -> Nodes:
+        """What has a value of its own, by one of its names."""
+        return Nodes(self.ports.values())
+
+    def node_of(self, variable: ModelVariable) -> str:
+        """Return the node of a variable of the model description."""
+        name, element = self.places[variable.name]
+        return self.nodes.place(self.ports[name], element)[0]
+
+    @cached_property
+    def event_indicators(self) -> int:
+        """How many there are."""
+        if self.major_version == 2:
+            return int(self.model.numberOfEventIndicators or 0)
+        return sum(self.ports[unknown.variable.name].size for unknown in self.model.eventIndicators)
 
     @cached_property
     def feedthrough(self) -> Feedthrough:
@@ -134,16 +148,13 @@ class Fmu:
     def configured(self, start: Mapping[str, Sequence[Any]]) -> Fmu:
         """Return the FMU with the array sizes that the structural parameters among these start values ask for."""
         of_dimensions = {d.valueReference for v in self.model.modelVariables for d in v.dimensions}
-        sizes = {
-            self.ports[name].references[0]: int(values[0])
-            for name, values in start.items()
-            if self.ports[name].references[0] in of_dimensions  # a structural parameter need not be a size
-        }
+        sizes = {}
+        for name, values in start.items():
+            port = self.ports[name]
+            if port.references[0] in of_dimensions:  # a structural parameter need not be a size
+                sizes[port.references[0]] = _size(port, values[0])
         if not sizes:
             return self
-        if min(sizes.values()) < 1:
-            name = next(p.name for p in self.ports.values() if sizes.get(p.references[0], 1) < 1)
-            raise AdcsError(f"{name} = {start[name][0]}: expected a size from 1")
         ports = dict(self.ports)
         for variable in self.model.modelVariables:
             if any(d.valueReference in sizes for d in variable.dimensions):
@@ -152,12 +163,13 @@ class Fmu:
                     sizes.get(d.valueReference, n) for d, n in zip(variable.dimensions, old.shape, strict=True)
                 )
                 if prod(shape) > _MOST_ELEMENTS:
+                    given = next(n for n, v in start.items() if self.ports[n].references[0] in sizes)
                     raise AdcsError(
-                        f"{variable.name} would have {prod(shape):,} elements, more than {_MOST_ELEMENTS:,}: "
-                        "choose a smaller size"
+                        f"{given} = {start[given][0]}: {variable.name} would have {prod(shape):,} elements, more than "
+                        f"{_MOST_ELEMENTS:,}, choose a smaller size"
                     )
-                values = set(old.start or ())
-                same = tuple(values) * prod(shape) if len(values) == 1 else None
+                values = tuple(set(old.start or ()))
+                same = values * prod(shape) if len(values) == 1 or not prod(shape) else None
                 ports[old.name] = replace(old, shape=shape, start=same)
         return replace(self, ports=ports, states=_states(self.model, ports))
 
@@ -191,6 +203,15 @@ class Fmu:
             folders.insert(0, fmpy.platform)
         file = self.interface(kind).modelIdentifier + fmpy.sharedLibraryExtension
         return [PurePosixPath("binaries", folder, file) for folder in folders]
+
+
+def _size(port: Port, size: int) -> int:
+    """Check a size of arrays against the limits that the FMU sets, of which the lowest is 0 only where it says so."""
+    least, most = port.limits
+    low = 1 if least is None else least
+    if size < low or (most is not None and size > most):
+        raise AdcsError(f"{port.name} = {size}: expected a size from {low}{'' if most is None else f' to {most}'}")
+    return size
 
 
 def locate(name: str | Path, version: FmiVersion = "2.0") -> Path:
@@ -241,13 +262,13 @@ def _open(path: Path, modified: int, size: int) -> Fmu:
         check_structure(xml)
         model = fmpy.read_model_description(for_fmpy(content, xml))
         extras = read_extras(xml)
-        ports, node_of = _unite(model, extras)
+        ports, places = _unite(model, extras)
         return Fmu(
             path=path,
             sha256=_sha256(path),
             model=model,
             ports=ports,
-            node_of=node_of,
+            places=places,
             states=_states(model, ports),
             directional=directional_derivatives(xml),
             clocks=extras.clocks,
@@ -308,8 +329,8 @@ def extracted(fmu: Fmu, kind: Kind) -> Iterator[tuple[Path, Path]]:
             yield folder, folder / found[0]
 
 
-def _unite(model: ModelDescription, extras: Extras) -> tuple[dict[str, Port], dict[str, str]]:
-    """Return the ports by name, and the node of each model variable."""
+def _unite(model: ModelDescription, extras: Extras) -> tuple[dict[str, Port], dict[str, tuple[str, int]]]:
+    """Return the ports by name, and of each model variable the port and the element that it is."""
     fmi2 = model.fmiMajorVersion == 2
     taken = {v.name for v in model.modelVariables}
     groups: dict[str, list[ModelVariable]] = {}
@@ -318,16 +339,18 @@ def _unite(model: ModelDescription, extras: Extras) -> tuple[dict[str, Port], di
         base = variable.name if match is None else f"der({match['base']})" if match[1] else match["base"]
         groups.setdefault(base, []).append(variable)
     ports: dict[str, Port] = {}
-    node_of: dict[str, str] = {}
+    places: dict[str, tuple[str, int]] = {}
     for base, members in groups.items():
         shape = members[0].shape if not fmi2 else _shape(members, extras)
+        if 0 in (shape or ()):
+            raise ValueError(f"{base} has a dimension of size 0, which FMI 3.0 allows only where it is set so later")
         scalars = shape is None or (base in taken and len(members) > 1)
         if prod(shape or ()) > _MOST_ELEMENTS:
             raise ValueError(f"{base} has {prod(shape or ()):,} elements, more than {_MOST_ELEMENTS:,}: not supported")
         for name, variables in [(v.name, [v]) for v in members] if scalars else [(base, members)]:
             ports[name] = _port(name, () if shape is None or scalars else shape, variables, fmi2, extras)
-            node_of.update(zip((v.name for v in variables), ports[name].nodes, strict=True))
-    return ports, node_of
+            places.update({v.name: (name, i) for i, v in enumerate(variables)})
+    return ports, places
 
 
 def _shape(members: list[ModelVariable], extras: Extras) -> tuple[int, ...] | None:
@@ -373,7 +396,9 @@ def _port(name: str, shape: tuple[int, ...], variables: list[ModelVariable], fmi
         description=first.description or "",
         items=_items(first) if first.type == "Enumeration" else (),
         declared_type=None if first.declaredType is None else first.declaredType.name,
+        alias_of=first.alias.name if first.alias is not None else None,
         relative=first.name in extras.relative,
+        limits=extras.limits.get(first.name, (None, None)),
     )
 
 

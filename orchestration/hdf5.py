@@ -94,17 +94,18 @@ class FileResult(Result):
     def __getitem__(self, name: str) -> Any:
         port = self._port(name)
         with h5py.File(self.path) as file:
-            values = file[_place(name)][:]
+            values = file[_place(self._recorded(name))][:]
         return typed(np.asarray(values, float).reshape(len(self.time), *port.shape), port)
 
     def block(self, first: int, last: int) -> Floats:
         """Rows first .. last-1."""
+        n = min(last, len(self.time)) - first
         with h5py.File(self.path) as file:
             parts = [
-                np.asarray(file[_place(name)][first:last], float).reshape(-1, port.size)
+                np.asarray(file[_place(name)][first:last], float).reshape(n, port.size)
                 for name, port in self.ports.items()
             ]
-        return np.hstack([np.empty((min(last, len(self.time)) - first, 0)), *parts])
+        return np.hstack([np.empty((n, 0)), *parts])
 
     def select(self, names: Sequence[str]) -> Result:
         """Return the result with these variables only."""
@@ -153,8 +154,8 @@ class _File:
             made = self._file.create_dataset(
                 _place(name),
                 shape=(0, *port.shape),
-                maxshape=(None, *port.shape),
-                chunks=(max(1, 2**15 // port.size), *port.shape),
+                maxshape=(None, *(n or None for n in port.shape)),  # which is no limit; a chunk of nothing cannot be
+                chunks=(max(1, 2**15 // max(1, port.size)), *(max(1, n) for n in port.shape)),
                 dtype=typed(np.empty(0), port).dtype,
             )
             made.attrs["unit"] = port.unit or ""
@@ -181,7 +182,8 @@ class _File:
 
     def _size(self, rows: int) -> int:
         """A bound on the size of the file with so many rows: whole chunks, the times, and what HDF5 adds."""
-        chunks = [max(1, 2**15 // port.size) * port.size * 8 for port in self._ports.values()]
+        sizes = [max(1, port.size) for port in self._ports.values()]
+        chunks = [max(1, 2**15 // size) * size * 8 for size in sizes]
         counts = [-(-rows * port.size * 8 // size) for port, size in zip(self._ports.values(), chunks, strict=True)]
         data = sum(n * (size + _INDEX) for n, size in zip(counts, chunks, strict=True))
         return data + 8 * rows + len(self._ports) * _DATASET + _SPARE

@@ -81,6 +81,7 @@ def _variable(port: Port) -> dict[str, Any]:
         "unit": port.unit,
         "start": start,
         **({"items": dict(port.items)} if port.items else {}),
+        **({"alias_of": port.alias_of} if port.alias_of else {}),
         "description": port.description,
     }
 
@@ -140,7 +141,9 @@ def _show(facts: dict[str, Any]) -> None:
         size = " x ".join(map(str, v["shape"]))
         start = "" if v["start"] is None else " ".join(f"{x:g}" if isinstance(x, float) else str(x) for x in v["start"])
         causality = f"{v['causality']}, tunable" if v["variability"] == "tunable" else v["causality"]
-        rows.append([v["name"], causality, v["type"], size, v["unit"] or "", start, v["description"]])
+        also = f"another name of {v['alias_of']}" if "alias_of" in v else ""
+        description = ". ".join(filter(None, (also, v["description"])))
+        rows.append([v["name"], causality, v["type"], size, v["unit"] or "", start, description])
     _table(console, columns, rows)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import chdir, contextmanager, suppress
 from ctypes import byref, c_bool, c_double
 from functools import cached_property
@@ -323,15 +323,23 @@ class Instance:
         return int(value)
 
     def set_start(self, port: Port, values: Sequence[Any]) -> None:
-        """Set a start value of any type; structural parameters come first."""
-        shown = ", ".join(map(str, values[:12])) + (", ..." if len(values) > 12 else "")
-        action = f"setting {port.name} = {shown}"
-        structural = port.causality == "structuralParameter"
+        """Set a start value of any type."""
+        if len(values):
+            self.call(f"setting {_assigned(port, values)}", f"set{self._kind(port.type)}", port.references, values)
+
+    def configure(self, start: Mapping[str, Sequence[Any]]) -> None:
+        """Set start values by variable: structural parameters first and at once, as some are valid together only."""
+        given = [(self.fmu.ports[variable], values) for variable, values in start.items()]
+        structural = [(port, values) for port, values in given if port.structural]
         if structural:
-            self.call(action, "enterConfigurationMode")
-        self.call(action, f"set{self._kind(port.type)}", port.references, values)
-        if structural:
-            self.call(action, "exitConfigurationMode")
+            self.call("entering configuration mode", "enterConfigurationMode")
+            for port, values in structural:
+                self.set_start(port, values)
+            together = ", ".join(_assigned(port, values) for port, values in structural)
+            self.call(f"setting {together}", "exitConfigurationMode")
+        for port, values in given:
+            if not port.structural:
+                self.set_start(port, values)
 
     @property
     def can_save(self) -> bool:
@@ -489,6 +497,10 @@ class Instance:
             self._check()
         if self._callbacks is not None:
             _loggers.pop(self._callbacks.componentEnvironment, None)
+
+
+def _assigned(port: Port, values: Sequence[Any]) -> str:
+    return f"{port.name} = {', '.join(map(str, values[:12]))}{', ...' if len(values) > 12 else ''}"
 
 
 def _go_on(*arguments: Any) -> None:

@@ -46,7 +46,9 @@ def _directional(instance: Instance, inputs: Sequence[Port], outputs: Sequence[P
     unknowns = [unknown.variable.valueReference for unknown in described]
     unknowns += [reference for port in outputs for reference in port.references]
     size = len(instance.fmu.states) + sum(port.size for port in outputs)
-    knowns = [(u.variable.derivative.valueReference, int(np.prod(u.variable.shape or (1,)))) for u in described]
+    states = [u.variable.derivative for u in described]
+    lengths = [instance.fmu.ports[u.variable.name].size if instance.major == 3 else 1 for u in described]
+    knowns = [(state.valueReference, length) for state, length in zip(states, lengths, strict=True)]
     for port in inputs:  # one reference per element in FMI 2, per array in FMI 3
         knowns += [(reference, port.size // len(port.references)) for reference in port.references]
     columns = []

@@ -19,7 +19,7 @@ from orchestration.loops import LoopSolver
 from orchestration.plan import Floats
 from orchestration.single import single
 from orchestration.state_space import Mode, StateSpace
-from orchestration.system import Connection, System
+from orchestration.system import Connection, End, System
 from orchestration.unit_quaternions import minimal, unit_quaternions, with_notes
 
 __all__ = ["Mode", "StateSpace", "linearize"]
@@ -105,7 +105,7 @@ class _Linear:
         self._parts: dict[str, _Part] = {}
         first = 0
         for name, instance in model.instances.items():
-            ports = [p for p in instance.fmu.ports.values() if _continuous(p)]
+            ports = [p for p in instance.fmu.ports.values() if _continuous(p) and p.alias_of is None]
             last = first + len(instance.fmu.states)
             inputs, outputs = ([p for p in ports if p.causality == kind] for kind in ("input", "output"))
             self._parts[name] = _Part(inputs, outputs, slice(first, last))
@@ -176,8 +176,7 @@ class _Linear:
         self._connected: set[Element] = set()
         for connection in self._system.connections:
             source, target = self._system.end(connection.source), self._system.end(connection.target)
-            into = [(target.component, target.port.name, i) for i in target.elements]
-            out = [(source.component, source.port.name, i) for i in source.elements]
+            into, out = _each(target), _each(source)
             self._connected.update(into)
             if all(e in self._inputs for e in into) and all(e in self._outputs for e in out):
                 self._links += [(i, o, connection.factor) for i, o in zip(into, out, strict=True)]
@@ -201,7 +200,7 @@ class _Linear:
                 f"{name} is a {end.port.variability} {end.port.type}: only Float variables that vary continuously can "
                 "be linearised"
             )
-        return [(end.component, end.port.name, i) for i in end.elements]
+        return _each(end)
 
     def _name(self, element: Element) -> str:
         component, variable, i = element
@@ -242,6 +241,10 @@ def _no_equilibrium(system: StateSpace, sizes: Floats, besides: Sequence[int]) -
 
 def _continuous(port: Port) -> bool:
     return port.type.startswith("Float") and port.variability == "continuous"
+
+
+def _each(end: End) -> list[Element]:
+    return [(end.component, end.port.alias_of or end.port.name, i) for i in end.elements]
 
 
 def _elements(ports: Mapping[str, Sequence[Port]]) -> dict[Element, int]:

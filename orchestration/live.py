@@ -166,7 +166,8 @@ class Condition:
         function, name = (call["function"], call["inside"].strip()) if call else (None, left)
         end = system.end(name)
         whole = f"{end.component}.{end.port.name}"
-        if whole not in recording.ports:
+        among = system.among(recording.ports, whole)
+        if among is None:
             raise AdcsError(f"condition {shown(repr(text))}: {whole} is not recorded, and has to be")
         if function is None and len(end.elements) > 1:
             raise AdcsError(
@@ -175,7 +176,7 @@ class Condition:
             )
         first = 0
         for recorded, port in recording.ports.items():
-            if recorded == whole:
+            if recorded == among:
                 break
             first += port.size
         where = tuple(first + i for i in end.elements)

@@ -55,8 +55,7 @@ def initialised(
             fed = instances[component_name].sources
             fed[port.name] = f"{fed[port.name]}, {connection.source}" if port.name in fed else connection.source
         for component in system.components.values():
-            for variable, values in component.start.items():
-                instances[component.name].set_start(fmus[component.name].ports[variable], values)
+            instances[component.name].configure(component.start)
         for instance in instances.values():
             instance.enter_initialization(start_time, stop_time)
         loops = Loops(plan, instances, solver or LoopSolver(), initial=True)

@@ -120,7 +120,7 @@ class _Builder:
         self._sources: dict[Name, dict[Name, None]] = {}
         self._now: list[Connection] = []
         self._later: list[tuple[Connection, slice]] = []
-        self._origin: dict[Name, dict[int, tuple[int, Connection | None]]] = {}
+        self._origin: dict[Name, dict[int, tuple[int, Connection | None]]] = {}  # of the values of a node
         for name in external:
             self._reserve_external(name)
         self.n_external = self._size
@@ -184,11 +184,10 @@ class _Builder:
         for element, signal in zip(end.elements, range(where.start, where.stop), strict=True):
             self._feed(end.component, end.port, element, signal, None)
 
-    def _feed(self, component: str, port: Port, element: int, signal: int, connection: Connection | None) -> Name:
-        node = component, self._node(component, port, element)
-        self._origin.setdefault((component, port.name), {})[element] = signal, connection
-        self._sources.setdefault(node, {})
-        return node
+    def _feed(self, component: str, port: Port, element: int, signal: int, connection: Connection | None) -> None:
+        node, place = self._fmus[component].nodes.place(port, element)
+        self._origin.setdefault((component, node), {})[place] = signal, connection
+        self._sources.setdefault((component, node), {})
 
     def _add(self, connection: Connection) -> None:
         target = self._ends(connection.target)
@@ -215,7 +214,7 @@ class _Builder:
         """One for each contiguous part of what leaves."""
         place = self._place_of_end(self._ends(connection.source))
         cuts = [0, *(np.flatnonzero(np.diff(place) != 1) + 1), len(place)]
-        for i, j in itertools.pairwise(cuts):
+        for i, j in itertools.pairwise(cuts if len(place) else ()):
             leaves = slice(int(place[i]), int(place[j - 1]) + 1)
             yield Delay(leaves, slice(target.start + int(i), target.start + int(j)), connection.delay_steps)
 
@@ -225,6 +224,7 @@ class _Builder:
 
     def _place_outputs(self, operation: Operation) -> None:
         """Give each get call, one for each type, a contiguous place."""
+        self._place |= {(operation.component, name): np.empty(0, np.intp) for name in operation.variables}
         for _, names in self._by_type(operation):
             for name in names:
                 n = self._node_port(operation.component, name)[1]
@@ -233,10 +233,8 @@ class _Builder:
 
     def _place_of_end(self, end: End) -> Places:
         """Where the elements of an output are; others of the same array may be nowhere."""
-        port = end.port
-        if len(port.references) == 1:
-            return self._place[end.component, port.name][list(end.elements)]
-        return np.concatenate([self._place[end.component, port.elements[i]] for i in end.elements])
+        found = [self._fmus[end.component].nodes.place(end.port, i) for i in end.elements]
+        return np.array([self._place[end.component, node][i] for node, i in found], np.intp)
 
     def _place_of(self, component: str, variable: str) -> Places:
         return np.concatenate([self._place[component, node] for node in self._nodes(component, variable)])
@@ -252,7 +250,11 @@ class _Builder:
         if operation.kind == "get":
             where = np.concatenate([self._place[component, name] for name in names])
             return Call("get", component, elements, references, where, type_, every=self._every[component])
-        origins = [self._origin_of(component, port, i) for port, indices in found for i in indices]
+        origins = [
+            self._origin_of(component, name, i)
+            for name, (_, of) in zip(names, found, strict=True)
+            for i in range(len(of))
+        ]
         where = np.array([signal for signal, _ in origins], np.intp)
         links = [connection or _DIRECT for _, connection in origins]
         if all(link.plain for link in links):
@@ -284,28 +286,33 @@ class _Builder:
                 )
         return first
 
-    def _origin_of(self, component: str, port: Port, element: int) -> tuple[int, Connection | None]:
-        """The signal that feeds an element; its start value, where only other elements of an array are connected."""
-        fed = self._origin[component, port.name]
-        if element not in fed:
-            fed[element] = self._reserve(1, [float(self._start(component, port)[element])]).start, None
-        return fed[element]
+    def _origin_of(self, component: str, node: str, place: int) -> tuple[int, Connection | None]:
+        """The signal that feeds a value; its start value, where only other elements of an array are connected."""
+        fed = self._origin[component, node]
+        if place not in fed:
+            port, elements = self._node_port(component, node)
+            fed[place] = self._reserve(1, [float(self._start(component, port)[elements[place]])]).start, None
+        return fed[place]
 
     def _start(self, component: str, port: Port) -> Sequence[Any]:
-        given = self._starts.get(component, {}).get(port.name, port.start)
+        main = self._fmus[component].nodes.main(port)
+        given = self._starts.get(component, {}).get(main.name, port.start)
         return given if given is not None else (0.0,) * port.size
 
     def _by_type(self, operation: Operation) -> list[tuple[str, list[str]]]:
         groups: dict[str, list[str]] = {}
         for name in operation.variables:
-            groups.setdefault(self._node_port(operation.component, name)[0].type, []).append(name)
+            port, elements = self._node_port(operation.component, name)
+            if elements:  # of an array of size 0 nothing is to be had
+                groups.setdefault(port.type, []).append(name)
         return list(groups.items())
 
     def _nodes(self, component: str, variable: str) -> list[str]:
-        return self._fmus[component].ports[variable].nodes
+        fmu = self._fmus[component]
+        return fmu.nodes.of(fmu.ports[variable])
 
     def _node(self, component: str, port: Port, element: int) -> str:
-        return port.elements[element] if len(port.references) > 1 else port.name
+        return self._fmus[component].nodes.place(port, element)[0]
 
     def _node_port(self, component: str, node: str) -> tuple[Port, list[int]]:
         """The variable to which a node belongs, and the elements that it has."""

@@ -91,7 +91,7 @@ class Result:
 
     def __getitem__(self, name: str) -> Any:
         port = self._port(name)
-        first = self._first[name]
+        first = self._first[self._recorded(name)]
         return typed(self.data[:, first : first + port.size].reshape(len(self.time), *port.shape), port)
 
     def block(self, first: int, last: int) -> Floats:
@@ -109,7 +109,8 @@ class Result:
     def select(self, names: Sequence[str]) -> Result:
         """Return the result with these variables only."""
         ports = {name: self._port(name) for name in names}
-        parts = [self.data[:, self._first[n] : self._first[n] + port.size] for n, port in ports.items()]
+        firsts = [self._first[self._recorded(name)] for name in ports]
+        parts = [self.data[:, first : first + p.size] for first, p in zip(firsts, ports.values(), strict=True)]
         return replace(self, data=np.hstack([np.empty((len(self.time), 0)), *parts]), ports=ports)
 
     def write_csv(self, path: str | Path) -> None:
@@ -156,7 +157,17 @@ class Result:
         with replacing(path) as to:
             to.write_text(json.dumps(self.manifest, indent=2) + "\n", encoding="utf-8")
 
+    def _recorded(self, name: str) -> str:
+        """Return the name under which a variable was recorded that may have several."""
+        if name in self.ports:
+            return name
+        try:
+            return self.system.among(self.ports, name) or name
+        except AdcsError:  # there is no such variable
+            return name
+
     def _port(self, name: str) -> Port:
+        name = self._recorded(name)
         if name not in self.ports:
             close = difflib.get_close_matches(name, self.ports, 3, 0.5)
             hint = f"did you mean {' or '.join(close)}?" if close else f"recorded are {', '.join(self.ports) or 'none'}"

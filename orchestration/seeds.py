@@ -12,7 +12,7 @@ from orchestration.fmu import Port
 
 def is_seed(port: Port) -> bool:
     """Whether the FMU declares it to be a seed; a variable may be called `seed` and mean anything."""
-    return (port.declared_type, port.type, port.causality) == (SEED_TYPE, "Int32", "parameter")
+    return (port.declared_type, port.type, port.causality, port.alias_of) == (SEED_TYPE, "Int32", "parameter", None)
 
 
 def seeds_of(ports: Iterable[Port]) -> list[Port]:

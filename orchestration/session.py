@@ -267,10 +267,11 @@ class CoSimulation:
         if name.partition(".")[2] != port.name:
             raise AdcsError(f"{name} is one element: give all values of {component}.{port.name}")
         if port.causality == "input":
-            outside = next((n for n in self.external if self.system.port(n) == (component, port)), None)
+            places = self.system.places(name)
+            outside = next((n for n in self.external if places & self.system.places(n)), None)
             if outside is not None:
                 raise AdcsError(f"{name} gets its values from a table: it cannot be set during a run")
-            fed = next((c for c in self.system.connections if self.system.port(c.target) == (component, port)), None)
+            fed = next((c for c in self.system.connections if places & self.system.places(c.target)), None)
             if fed is not None:
                 raise AdcsError(f"{name} is connected to {fed.source}: it cannot be set during a run")
         elif not (port.causality == "parameter" and port.variability == "tunable"):

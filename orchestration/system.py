@@ -13,6 +13,7 @@ import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration.fmu import FmiVersion, Fmu, Port, locate, open_fmu
+from orchestration.nodes import Place
 from orchestration.seeds import default_seed, seeds_of
 from orchestration.typed_values import binary_values, item_numbers
 from orchestration.units import Scale, conversion
@@ -117,7 +118,7 @@ class System:
         self.description = description
         self.components: dict[str, Component] = {}
         self._connections: list[Connection] = []
-        self._incoming: dict[tuple[str, str], list[Connection]] = {}
+        self._incoming: dict[tuple[str, str], list[Connection]] = {}  # by component and node
 
     @property
     def connections(self) -> Sequence[Connection]:
@@ -144,11 +145,10 @@ class System:
         # Both files of a component built here say the same: the wiring is checked on whichever exists.
         component = Component(name, fmu, open_fmu(_any_version(fmu)), {}, every)
         given = dict(start or {})
-        for variable in [v for v in given if v in component.fmu.ports and _structural(component.fmu.ports[v])]:
+        for variable in [v for v in given if v in component.fmu.ports and component.fmu.ports[v].structural]:
             component.start[variable] = _start(name, component.fmu, variable, given.pop(variable))
-        component.fmu = component.fmu.configured(component.start)
-        values = {variable: _start(name, component.fmu, variable, value) for variable, value in given.items()}
-        component.start.update(values)
+        component.fmu = _configured(name, component.fmu, component.start)
+        component.start.update(_starts(name, component.fmu, given))
         for port in seeds_of(component.fmu.ports.values()):
             component.start.setdefault(port.name, default_seed(name, port))
         self.components[name] = component
@@ -159,22 +159,21 @@ class System:
         A structural parameter gives arrays their size: start values of theirs that were not given here follow it.
         """
         component, port = self.port(name)
-        if _structural(port):
+        if port.structural:
             self._resize(component, port, value)
             return
         for connected in self._into(component, port):
             if not connected.delayed:
                 raise AdcsError(f"{name} is connected to {connected.source}: a start value would have no effect")
-        self.components[component].start[port.name] = _start(
-            component, self.components[component].fmu, port.name, value
-        )
+        fmu = self.components[component].fmu
+        self.components[component].start[fmu.nodes.main(port).name] = _start(component, fmu, port.name, value)
 
     def _resize(self, name: str, parameter: Port, value: Value) -> None:
         """Set a structural parameter; refuse what makes given start values or connections not fit any more."""
         component = self.components[name]
         old, plain = component.fmu, open_fmu(component.fmu.path)
         start = {**component.start, parameter.name: _start(name, plain, parameter.name, value)}
-        new = plain.configured({n: v for n, v in start.items() if _structural(plain.ports[n])})
+        new = _configured(name, plain, {n: v for n, v in start.items() if plain.ports[n].structural})
         reason = f"{name}.{parameter.name} = {start[parameter.name][0]}"
         for variable, values in component.start.items():
             if new.ports[variable].shape == old.ports[variable].shape:
@@ -247,12 +246,13 @@ class System:
         if delay_steps and delay:
             raise AdcsError(f"{link}it has a delay in steps and one in seconds: give one of them")
         for other in self._into(input_.component, input_.port):
-            if set(self.end(other.target).elements) & set(input_.elements):
+            if self.places(other.target) & self.places(target):
                 raise AdcsError(f"{link}{other.source} is already connected to it, an input has one source")
         connection = Connection(
             source, target, scale.factor, scale.offset, pairs, delay_steps, float(delay), given or bool(pairs)
         )
-        has_start = input_.port.name in self.components[input_.component].start
+        component = self.components[input_.component]
+        has_start = component.fmu.nodes.main(input_.port).name in component.start
         if has_start and not connection.delayed and len(input_.elements) == input_.port.size:
             raise AdcsError(f"{link}{target} has a start value that the connection would override: drop one of them")
         self._append(connection)
@@ -261,9 +261,10 @@ class System:
         """Remove the connection into an input and return it."""
         end = self.end(target)
         for connection in self._into(end.component, end.port):
-            if connection.target == target:
+            if self.places(connection.target) == self.places(target):
                 self._connections.remove(connection)
-                self._incoming[end.component, end.port.name].remove(connection)
+                for node in self._nodes(end):
+                    self._incoming[node].remove(connection)
                 return connection
         raise AdcsError(f"nothing is connected to {target}")
 
@@ -301,13 +302,24 @@ class System:
             )
         return Ends({component: self.components[component].fmu})(name)
 
+    def places(self, name: str) -> frozenset[tuple[str, Place]]:
+        """Return where the values of `component.variable` or an element of it are: the same for all its names."""
+        end = self.end(name)
+        nodes = self.components[end.component].fmu.nodes
+        return frozenset((end.component, nodes.place(end.port, i)) for i in end.elements)
+
+    def among(self, names: Iterable[str], name: str) -> str | None:
+        """Return which of these names is that of the same variable, if any is."""
+        wanted = self.places(name)
+        return next((other for other in names if other == name or self.places(other) == wanted), None)
+
     def outputs(self) -> list[str]:
-        """Name all outputs that can be recorded, `component.variable`."""
+        """Name all outputs that can be recorded, `component.variable`; those with several names in FMI 3.0 once."""
         return [
             f"{component.name}.{port.name}"
             for component in self.components.values()
             for port in component.fmu.ports.values()
-            if port.causality == "output" and port.type.startswith(NUMERIC)
+            if port.causality == "output" and port.type.startswith(NUMERIC) and port.alias_of is None
         ]
 
     def check(self, external: Sequence[str] = ()) -> None:
@@ -315,21 +327,29 @@ class System:
 
         Values of those in `external` come from outside; a String, Binary or Clock has none to be given.
         """
-        outside = [self.end(name) for name in external]
-        for name, end in zip(external, outside, strict=True):
+        outside: dict[tuple[str, Place], str] = {}
+        for name in external:
+            end = self.end(name)
             if end.port.causality != "input" or not end.port.type.startswith(NUMERIC):
                 raise AdcsError(f"{name} is a {end.port.type} {end.port.causality}: values from outside go to inputs")
             if self._into(end.component, end.port):
                 raise AdcsError(f"{name} is connected to {self._into(end.component, end.port)[0].source} already")
+            for other in (outside[place] for place in self.places(name) if place in outside):
+                raise AdcsError(f"{name} and {other} are names of one variable: give its values from outside once")
+            outside.update(dict.fromkeys(self.places(name), name))
         if not self.components:
             raise AdcsError(f"system {self.name!r} has no components: add one")
         for component in self.components.values():
+            nodes = component.fmu.nodes
             for port in component.fmu.ports.values():
-                if port.causality != "input" or port.name in component.start or not port.type.startswith(NUMERIC):
+                if port.causality != "input" or not port.type.startswith(NUMERIC) or port is not nodes.main(port):
+                    continue
+                if port.name in component.start or not port.size:
                     continue
                 name = f"{component.name}.{port.name}"
-                reached = {e for c in self._into(component.name, port) for e in self.end(c.target).elements}
-                reached |= {e for o in outside if (o.component, o.port) == (component.name, port) for e in o.elements}
+                places = [(component.name, nodes.place(port, i)) for i in range(port.size)]
+                connected = {place for c in self._into(component.name, port) for place in self.places(c.target)}
+                reached = {i for i, place in enumerate(places) if place in connected or place in outside}
                 if not reached:
                     raise AdcsError(f"input {name} is not connected: connect it or give it a start value")
                 missing = [port.elements[i] for i in range(port.size) if i not in reached]
@@ -341,10 +361,16 @@ class System:
     def _append(self, connection: Connection) -> None:
         end = self.end(connection.target)
         self._connections.append(connection)
-        self._incoming.setdefault((end.component, end.port.name), []).append(connection)
+        for node in self._nodes(end):
+            self._incoming.setdefault(node, []).append(connection)
+
+    def _nodes(self, end: End) -> list[tuple[str, str]]:
+        nodes = self.components[end.component].fmu.nodes
+        return list(dict.fromkeys((end.component, nodes.place(end.port, i)[0]) for i in end.elements))
 
     def _into(self, component: str, port: Port) -> list[Connection]:
-        return self._incoming.get((component, port.name), [])
+        nodes = self.components[component].fmu.nodes.of(port)
+        return list(dict.fromkeys(c for node in nodes for c in self._incoming.get((component, node), ())))
 
     def _scale(self, link: str, output: End, input_: End) -> Scale:
         here, there = (self.components[end.component].fmu for end in (output, input_))
@@ -365,8 +391,11 @@ def _any_version(fmu: str | Path) -> Path:
             raise error from None
 
 
-def _structural(port: Port) -> bool:
-    return port.causality == "structuralParameter"
+def _configured(component: str, fmu: Fmu, start: Mapping[str, Sequence[Any]]) -> Fmu:
+    try:
+        return fmu.configured(start)
+    except AdcsError as error:
+        raise AdcsError(f"{component}.{error}") from None
 
 
 def _pairs(link: str, target: Port, mapping: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
@@ -409,6 +438,21 @@ def _start(component: str, fmu: Fmu, variable: str, value: Value) -> tuple[Any, 
     if not port.settable:
         raise AdcsError(f"{name} cannot be given a start value: it is a {port.variability} {port.causality}")
     return checked_value(name, port, value)
+
+
+def _starts(component: str, fmu: Fmu, given: Mapping[str, Value]) -> dict[str, tuple[Any, ...]]:
+    """Check start values; refuse different ones for two names of a variable."""
+    found: dict[str, tuple[Any, ...]] = {}
+    by: dict[str, str] = {}
+    for variable, value in given.items():
+        values, main = _start(component, fmu, variable, value), fmu.nodes.main(fmu.ports[variable]).name
+        if found.setdefault(main, values) != values:
+            raise AdcsError(
+                f"{component}.{by[main]} and {component}.{variable} are names of one variable, and are given different "
+                "start values: give one of them"
+            )
+        by[main] = variable
+    return found
 
 
 def checked_value(name: str, port: Port, value: Value) -> tuple[Any, ...]:

@@ -226,7 +226,7 @@ class _Indicators:
     def __init__(self, instances: Any) -> None:
         self.owners: list[tuple[str, str]] = []
         self._calls: list[tuple[Instance, Any, int]] = []
-        numbers = [(instance, instance.fmu.model.numberOfEventIndicators) for instance in instances]
+        numbers = [(instance, instance.fmu.event_indicators) for instance in instances]
         self._values: Floats = np.empty(sum(n for _, n in numbers))
         for instance, n in numbers:
             if n == 0:

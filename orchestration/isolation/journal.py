@@ -104,7 +104,9 @@ class Journal:
         self._head = _Head.from_buffer(self._map)
         self._map[_ABOUT : _ABOUT + len(text)] = text
         np.frombuffer(self._map, np.float64, len(times), times_at)[:] = times
-        self.recording.data = np.frombuffer(self._map, np.float64, len(times) * width, rows_at).reshape(-1, width)
+        self.recording.data = np.frombuffer(self._map, np.float64, len(times) * width, rows_at).reshape(
+            len(times), width
+        )
         self._rows_at, self._width = rows_at, width
         self.where.names = list(system.components)
         self.where.move(Place.from_buffer(self._map, _PLACE))

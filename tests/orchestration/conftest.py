@@ -3,6 +3,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import foreign_fmus
 import mocks
 import pytest
 
@@ -20,6 +21,13 @@ def mock_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def mock(mock_folder: Path) -> Mock:
     """mock("gain", "3.0") -> path of the FMU."""
     return lambda model, version="2.0", **settings: mocks.build(model, mock_folder, version, **settings)
+
+
+@pytest.fixture(scope="session")
+def foreign(tmp_path_factory: pytest.TempPathFactory) -> Mock:
+    """foreign("sizes", "3.0") -> path of the FMU."""
+    folder = tmp_path_factory.mktemp("foreign")
+    return lambda model, version="3.0", **settings: foreign_fmus.build(model, folder, version, **settings)
 
 
 @pytest.fixture(params=["2.0", "3.0"])

@@ -34,6 +34,7 @@ class Variable:
     depends: str | None = ""  # None: the attribute is left out
     clock: str | None = None
     more: Mapping[str, Any] = field(default_factory=dict)
+    aliases: tuple[str, ...] = ()  # in FMI 2.0, where inputs have none, they are outputs
 
     @property
     def starts(self) -> list[Any]:
@@ -109,6 +110,26 @@ MODELS: dict[str, Model] = {
             Variable("total", depends="u"),
         ],
         versions=("3.0",),
+    ),
+    "square": Model(
+        [
+            Variable("rows", "structuralParameter", "UInt64", 2, variability="fixed", more={"min": 0, "max": 4}),
+            Variable("columns", "structuralParameter", "UInt64", 2, variability="fixed", more={"min": 0}),
+            *(Variable("margin", "structuralParameter", "Float64", 0.25, variability="fixed"),),
+            *(Variable("deep", "structuralParameter", "Boolean", True, variability="fixed"),),
+            *(Variable("level", "structuralParameter", "Int32", 3, variability="fixed"),),
+            *(Variable("label", "structuralParameter", "String", "a", variability="fixed"),),
+            input_("u", 1.0, shape=("rows", "columns")),
+            Variable("y", shape=("rows", "columns"), depends="u"),
+            *(Variable("seen", "output", shape=(4,)), Variable("entered", "output", "Int32")),
+        ],
+        versions=("3.0",),
+    ),
+    "names": Model(
+        [
+            input_("u", [1.0, 2.0], shape=(2,), aliases=("uu",)),
+            Variable("y", shape=(2,), depends="u", aliases=("yy",)),
+        ]
     ),
     "bouncer": Model(
         [
@@ -277,11 +298,21 @@ def _xml2(model: str, variables: list[Variable], places: dict[str, int], attribu
                 name=name, valueReference=places[v.name] + i, causality=v.causality, variability=_variability(v)
             )
             lines.append(f"<ScalarVariable {common}><{_FMI2.get(v.type, v.type)} {value}/></ScalarVariable>")
+    for v in variables:
+        for alias in v.aliases:
+            for i in range(v.fixed_size):
+                index.setdefault(alias, []).append(len(lines) + 1)
+                name = f"{alias}[{i + 1}]" if v.shape else alias
+                common = _attributes(
+                    name=name, valueReference=places[v.name] + i, causality="output", variability=_variability(v)
+                )
+                lines.append(f"<ScalarVariable {common}><{_FMI2.get(v.type, v.type)}/></ScalarVariable>")
     unknowns = []
     for v in variables:
-        if v.causality == "output":
-            known = None if v.depends is None else " ".join(str(i) for d in v.depends.split() for i in index[d])
-            unknowns.append(f"<Unknown {_attributes(index=index[v.name][0], dependencies=known)}/>")
+        known = None if v.depends is None else " ".join(str(i) for d in v.depends.split() for i in index[d])
+        for name in (v.name, *v.aliases) if v.causality == "output" else v.aliases:
+            known = " ".join(map(str, index[v.name])) if v.causality == "input" else known
+            unknowns += [f"<Unknown {_attributes(index=i, dependencies=known)}/>" for i in index[name]]
     items = "".join(f'<Item name="{name}" value="{value}"/>' for name, value in PHASES.items())
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
@@ -312,6 +343,7 @@ def _xml3(model: str, variables: list[Variable], places: dict[str, int], attribu
             f'<Dimension valueReference="{places[d]}"/>' if isinstance(d, str) else f'<Dimension start="{d}"/>'
             for d in v.shape
         )
+        inside += "".join(f'<Alias name="{alias}"/>' for alias in v.aliases)
         if texts and v.start is not None:
             inside += "".join(f"<Start value={quoteattr(s)}/>" for s in v.starts)
         lines.append(f"<{v.type} {common}>{inside}</{v.type}>")

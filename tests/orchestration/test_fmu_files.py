@@ -160,7 +160,7 @@ def test_ports_are_the_same_arrays_in_both_versions(mock):
 def feedthrough(fmu):
     """The inputs on which some element of each output depends directly."""
     outputs = [port for port in fmu.ports.values() if port.causality == "output"]
-    return {p.name: {fmu.nodes[i][0].name for node in p.nodes for i in fmu.feedthrough(node)} for p in outputs}
+    return {p.name: {fmu.nodes[i][0].name for node in fmu.nodes.of(p) for i in fmu.feedthrough(node)} for p in outputs}
 
 
 def test_units_states_and_dependencies(mock, version):

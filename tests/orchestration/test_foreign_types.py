@@ -174,7 +174,7 @@ def test_structural_parameters_can_be_set(foreign, stepping):
 def test_structural_parameters_are_refused_where_they_make_no_sense(foreign):
     with pytest.raises(AdcsError, match=r"^c\.u: expected 4 values, got 3 values$"):
         alone(foreign("sizes"), {"u": [1, 2, 3], "n": 4})
-    with pytest.raises(AdcsError, match=r"^n = 0: expected a size from 1$"):
+    with pytest.raises(AdcsError, match=r"^c\.n = 0: expected a size from 1$"):
         alone(foreign("sizes"), {"n": 0})
     system = alone(foreign("sizes"), {"u": [0] * 30, "n": 30})
     with pytest.raises(AdcsError, match=r"^c: setting n = 30 returned error: n is at most 20$"):

@@ -5,7 +5,8 @@
  *   static int calculate(Model *m)                        outputs from all other values
  *   static int advance(Model *m, double t, double h)      a step; may set m->last, m->early, m->event, m->terminate
  *   static int birth(Model *m, int events, int early)     #define BIRTH: instantiation with these permissions
- *   static int resized(Model *m)                          #define RESIZED: the end of configuration mode
+ *   static int resized(Model *m)                          #define RESIZED: the end of configuration mode, and SIZE,
+ *                                                         the number of elements of what has no size in variables.h
  *   static void update(Model *m)                          #define UPDATE: updates discrete states, m->active are ticking
  *   static int interval(Model *m, unsigned vr, double *T) #define INTERVAL: qualifier and interval of a clock
  *   static int ready(Model *m)                            #define READY: whether an asynchronous step is done
@@ -287,7 +288,7 @@ fmi3Status fmi3Terminate(fmi3Instance c) { return fmi3OK; }
 
 static size_t length(Model *m, unsigned vr) {
 #ifdef RESIZED
-    if (lengths[vr] == 0) return (size_t)m->v[SIZE];
+    if (lengths[vr] == 0) return (size_t)(SIZE);
 #endif
     return lengths[vr];
 }
@@ -323,8 +324,10 @@ fmi3Status fmi3GetString(fmi3Instance c, const fmi3ValueReference vr[], size_t n
 }
 fmi3Status fmi3SetString(fmi3Instance c, const fmi3ValueReference vr[], size_t n, const fmi3String v[], size_t nv) {
     for (size_t i = 0; i < n; ++i)
-        for (size_t j = 0; j < lengths[vr[i]]; ++j, ++v)
+        for (size_t j = 0; j < lengths[vr[i]]; ++j, ++v) {
+            if (set(M, vr[i], j, 0)) return fmi3Error;
             M->length[vr[i] + j] = (size_t)snprintf(M->text[vr[i] + j], sizeof M->text[0], "%s", *v);
+        }
     return fmi3OK;
 }
 fmi3Status fmi3GetBinary(fmi3Instance c, const fmi3ValueReference vr[], size_t n, size_t sizes[], fmi3Binary v[],

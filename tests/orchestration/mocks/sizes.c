@@ -1,6 +1,6 @@
 /* y = 2 u and the sum of u, of a length that a structural parameter says */
 #define RESIZED
-#define SIZE n
+#define SIZE m->v[n]
 #include "foreign.h"
 
 static int calculate(Model *m) {

@@ -77,6 +77,13 @@ def models(n: int = 3) -> dict[str, list[Variable]]:
             Variable("u", "input", a, 0.0, "m/s"),
             Variable("y", "output", a, unit="m", depends=["x"]),
         ],
+        "resizable": [
+            state("x", 1.0, a),
+            derivative("x", ["u", "x"], a),
+            Variable("u", "input", a, 0.0),
+            Variable("y", "output", a, depends=["x"]),
+            Variable("z", "local", a, depends=["x"]),
+        ],
         "gain": [
             Variable("u", "input", a, 0.0, "m"),
             parameter("k", 1.0),

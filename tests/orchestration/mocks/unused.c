@@ -1,7 +1,7 @@
-/* Functions that fmpy wants to find in a binary, and that no test calls. */
+/* Functions that fmpy wants to find in a binary, and that no test calls; a mock may define some of them. */
 
 #define UNUSED(NAME) \
-    int NAME(void) { return 3; }
+    __attribute__((weak)) int NAME(void) { return 3; }
 
 UNUSED(fmi2Reset) UNUSED(fmi2GetString) UNUSED(fmi2SetString) UNUSED(fmi2GetFMUstate) UNUSED(fmi2SetFMUstate)
 UNUSED(fmi2FreeFMUstate) UNUSED(fmi2SerializedFMUstateSize) UNUSED(fmi2SerializeFMUstate)

@@ -145,8 +145,10 @@ class System:
         # Both files of a component built here say the same: the wiring is checked on whichever exists.
         component = Component(name, fmu, open_fmu(_any_version(fmu)), {}, every)
         given = dict(start or {})
-        for variable in [v for v in given if v in component.fmu.ports and component.fmu.ports[v].structural]:
-            component.start[variable] = _start(name, component.fmu, variable, given.pop(variable))
+        structural = {
+            v: given.pop(v) for v in list(given) if v in component.fmu.ports and component.fmu.ports[v].structural
+        }
+        component.start.update(_starts(name, component.fmu, structural))
         component.fmu = _configured(name, component.fmu, component.start)
         component.start.update(_starts(name, component.fmu, given))
         for port in seeds_of(component.fmu.ports.values()):
@@ -159,13 +161,13 @@ class System:
         A structural parameter gives arrays their size: start values of theirs that were not given here follow it.
         """
         component, port = self.port(name)
+        fmu = self.components[component].fmu
         if port.structural:
-            self._resize(component, port, value)
+            self._resize(component, fmu.nodes.main(port), value)
             return
         for connected in self._into(component, port):
             if not connected.delayed:
                 raise AdcsError(f"{name} is connected to {connected.source}: a start value would have no effect")
-        fmu = self.components[component].fmu
         self.components[component].start[fmu.nodes.main(port).name] = _start(component, fmu, port.name, value)
 
     def _resize(self, name: str, parameter: Port, value: Value) -> None:

@@ -63,6 +63,10 @@ def parameter(name: str, start: Any, type: str = "Float64", **more: Any) -> Vari
     return Variable(name, "parameter", type, start, variability="fixed", **more)
 
 
+def structural(name: str, start: Any, type: str, **more: Any) -> Variable:
+    return Variable(name, "structuralParameter", type, start, variability="fixed", **more)
+
+
 def input_(name: str, start: Any = 0.0, type: str = "Float64", **more: Any) -> Variable:
     return Variable(name, "input", type, start, variability="continuous" if "Float" in type else "discrete", **more)
 
@@ -104,7 +108,7 @@ MODELS: dict[str, Model] = {
     ),
     "sizes": Model(
         [
-            Variable("n", "structuralParameter", "UInt64", 3, variability="fixed"),
+            structural("n", 3, "UInt64"),
             input_("u", [1.0, 2.0, 3.0], shape=("n",)),
             Variable("y", shape=("n",), depends="u"),
             Variable("total", depends="u"),
@@ -113,12 +117,10 @@ MODELS: dict[str, Model] = {
     ),
     "square": Model(
         [
-            Variable("rows", "structuralParameter", "UInt64", 2, variability="fixed", more={"min": 0, "max": 4}),
-            Variable("columns", "structuralParameter", "UInt64", 2, variability="fixed", more={"min": 0}),
-            *(Variable("margin", "structuralParameter", "Float64", 0.25, variability="fixed"),),
-            *(Variable("deep", "structuralParameter", "Boolean", True, variability="fixed"),),
-            *(Variable("level", "structuralParameter", "Int32", 3, variability="fixed"),),
-            *(Variable("label", "structuralParameter", "String", "a", variability="fixed"),),
+            structural("rows", 2, "UInt64", more={"min": 0, "max": 4}, aliases=("height",)),
+            structural("columns", 2, "UInt64", more={"min": 0}),
+            *(structural("margin", 0.25, "Float64"), structural("deep", True, "Boolean")),
+            *(structural("level", 3, "Int32"), structural("label", "a", "String")),
             input_("u", 1.0, shape=("rows", "columns")),
             Variable("y", shape=("rows", "columns"), depends="u"),
             *(Variable("seen", "output", shape=(4,)), Variable("entered", "output", "Int32")),

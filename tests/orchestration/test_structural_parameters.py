@@ -32,6 +32,19 @@ def test_two_that_are_valid_only_together(square, stepping):
         run(single(square, {"rows": 3}), stop_time=0.1, step=0.1)
 
 
+def test_under_another_name(square):
+    system = single(square, {"height": 3, "columns": 3, "u": np.eye(3)})
+    assert run(system, stop_time=0.1, step=0.1)["square.y"].shape == (2, 3, 3)
+    with pytest.raises(
+        AdcsError, match=r"^square\.rows = 2: square\.u was given 3 x 3 values and has 2 x 3 values then"
+    ):
+        system.set("square.height", 2)
+    with pytest.raises(
+        AdcsError, match=r"^square\.rows and square\.height are names of one variable, and are given diff"
+    ):
+        System("two").add("square", square, {"rows": 3, "height": 2})
+
+
 def test_those_that_are_no_sizes(square):
     start = {"margin": 0.5, "deep": False, "level": -2, "label": "hello"}
     assert run(single(square), stop_time=0.1, step=0.1)["square.seen"][0].tolist() == [0.25, 1.0, 3.0, 1.0]

@@ -30,6 +30,8 @@ def recover(
     ] = None,
 ) -> None:
     """Make the files of a run whose process was killed, from the rows in its journal; they go up to the last step."""
+    if folder.is_file():
+        raise AdcsError(f"{folder} is a file: give the folder of the results, {folder.parent}")
     with ResultsFolder(folder) as results:
         if not results.journal.exists():
             raise AdcsError(

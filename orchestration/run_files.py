@@ -80,7 +80,7 @@ class RunFiles:
         self._manifest = manifest
         running = {**manifest, "outcome": {"status": "running", "pid": os.getpid()}}
         self._result_of(running).write_manifest(self.folder / MANIFEST)
-        supervised.watch(self.journal.path, self._timeout)
+        supervised.watch(self.journal.path, self.journal.where, self._timeout)
 
     def _result_of(self, manifest: dict[str, Any]) -> Result:
         return Result(None, [], [], {}, manifest)  # type: ignore[arg-type]

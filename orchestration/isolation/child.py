@@ -17,12 +17,13 @@ from orchestration.run import run
 
 def main(folder: Path) -> None:
     """Run; an answer is written whatever comes of it, unless the process dies."""
-    orphan.end_with_parent()
+    journal = Journal(folder / NAME)
+    orphan.end_with_parent(lambda: journal.where.busy)
     asked: dict[str, Any] = pickle.loads((folder / apart.ASKED).read_bytes())
     answer: dict[str, Any] = {"failed": None, "interrupted": False}
     result: Result | None = None
     try:
-        result = run(**asked, journal=Journal(folder / NAME))
+        result = run(**asked, journal=journal)
     except RunFailed as error:
         answer["failed"], result = str(error), error.result
     except RunInterrupted as error:

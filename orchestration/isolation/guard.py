@@ -42,6 +42,7 @@ class Guard:
         self._umask = _umask()
         self._handlers = _Handlers()
         self._standard = _Standard()
+        self._limits = _Limits()
 
     def close(self) -> None:
         """Give back what was kept for changing things back."""
@@ -67,6 +68,8 @@ class Guard:
             self._tell(component, f"changed the umask to {mask:03o}, which was changed back")
         for name in self._handlers.restore():
             self._tell(component, f"took {name} for itself, which was given back")
+        for name in self._limits.restore():
+            self._tell(component, f"changed the limit {name}, which was changed back")
         for name in self._standard.restore():
             self._tell(component, f"closed the standard {name}, which was opened again")
         if self._printed is not None and self._printed():
@@ -114,6 +117,33 @@ class _Handlers:
         for name, (number, handler) in self._at_first.items():
             if self._get(number) != handler:
                 self._set(number, handler)
+                changed.append(name)
+        return changed
+
+
+class _Limits:
+    """Limits of the process that decide whether its files can be written."""
+
+    _NAMES = ("RLIMIT_AS", "RLIMIT_DATA", "RLIMIT_FSIZE", "RLIMIT_NOFILE", "RLIMIT_CPU")
+
+    def __init__(self) -> None:
+        self._at_first: dict[str, tuple[int, tuple[int, int]]] = {}
+        with suppress(ImportError):  # of Windows
+            import resource
+
+            self._get, self._set = resource.getrlimit, resource.setrlimit
+            known = {name: getattr(resource, name) for name in self._NAMES if hasattr(resource, name)}
+            self._at_first = {name: (number, self._get(number)) for name, number in known.items()}
+
+    def restore(self) -> list[str]:
+        changed = []
+        for name, (number, (soft, hard)) in self._at_first.items():
+            if (now := self._get(number)) != (soft, hard):
+                try:
+                    self._set(number, (soft, hard))
+                except (ValueError, OSError):  # only root may raise a hard limit
+                    with suppress(ValueError, OSError):
+                        self._set(number, (now[1], now[1]))
                 changed.append(name)
         return changed
 

@@ -18,7 +18,7 @@ from threading import Thread
 
 from orchestration.isolation import orphan
 from orchestration.isolation.lock import Lock
-from orchestration.isolation.where import Place
+from orchestration.isolation.where import Place, Where
 
 MARK = "ADCS_SUPERVISED"
 _OUT_OF_THE_WAY = 210  # of a component that closes "all" descriptors
@@ -26,6 +26,7 @@ _PULSE = 0.5  # s
 _MOST = 2**20  # bytes of what components print that are passed on at once
 
 _folder: Path | None = None
+_where = Where()
 printed: Callable[[], bool] | None = None
 """Whether components have printed to the standard output since it was asked; None where that is not looked after."""
 
@@ -38,7 +39,7 @@ def begin() -> None:
         return
     _folder = Path(name)
     Lock(_folder / ".alive").take()
-    orphan.end_with_parent()
+    orphan.end_with_parent(lambda: _where.busy)
     Thread(target=_beat, args=(_folder / "pulse",), daemon=True, name="pulse").start()
     with suppress(ImportError, OSError):
         printed = _Printed(_folder / "printed")
@@ -55,8 +56,10 @@ def _beat(path: Path) -> None:
         time.sleep(_PULSE)
 
 
-def watch(journal: Path, timeout: float) -> None:
-    """Say where the run is noted, and how long a call may take (s)."""
+def watch(journal: Path, where: Where, timeout: float) -> None:
+    """Say where the run is, in which file that is noted, and how long a call may take (s)."""
+    global _where
+    _where = where
     if _folder is not None:
         finite = timeout if timeout < 1e12 else None
         content = {"journal": str(journal), "timeout": finite, "size": ctypes.sizeof(Place), "at": 64}

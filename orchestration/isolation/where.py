@@ -84,6 +84,11 @@ class Where:
         return k, name, ACTIONS[doing]
 
     @property
+    def busy(self) -> tuple[Any, ...] | None:
+        """The call that is going on, another value for each; None between two calls."""
+        return None if self.place.doing == _IDLE else self.pulse
+
+    @property
     def pulse(self) -> tuple[Any, ...]:
         """What changes as long as the run goes on."""
         return (*self.now, int(self.place.count), int(self.place.rows))

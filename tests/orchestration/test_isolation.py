@@ -105,6 +105,7 @@ def test_an_isolated_run_refuses_by_name_what_cannot_cross(chain):
         ("folder_instantiate", "changed the working directory to /, which was changed back"),
         ("umask_doStep", "changed the umask to 777, which was changed back"),
         ("signals_doStep", "took SIGINT for itself, which was given back"),
+        ("limits_doStep", "changed the limit RLIMIT_NOFILE, which was changed back"),
     ],
 )
 @pytest.mark.parametrize("stepping", ["compiled", "python"])
@@ -282,6 +283,39 @@ def test_a_signal_sent_twice_is_one(mock, tmp_path):
     assert process.returncode == 128 + signal.SIGTERM, err
     assert json.loads((tmp_path / "out/manifest.json").read_text())["outcome"]["status"] == "interrupted"
     assert not (tmp_path / "out" / journal.NAME).exists()
+
+
+def test_a_run_that_hangs_ends_without_its_supervisor(mock, tmp_path):
+    as_file(mock, tmp_path, "hang_doStep")
+    process = start("run", "hang_doStep.ssp", *LONG, cwd=tmp_path)
+    until(lambda: _rows(tmp_path) == 6)
+    child = int(Lock(tmp_path / "out/run.lock").holder)
+    process.kill()
+    process.communicate(timeout=60)
+    until(lambda: not Path(f"/proc/{child}").exists(), 30.0)
+    assert len((tmp_path / "out/result.csv").read_text().splitlines()) == 7
+    assert json.loads((tmp_path / "out/manifest.json").read_text())["outcome"]["rows"] == 6
+
+
+def test_a_run_stops_and_goes_on_with_its_command(mock, tmp_path):
+    as_file(mock, tmp_path, "fine_never")
+    options = ("--real-time", 1, "--stop", 4, "--timeout", 0.5)
+    process = start("run", "fine_never.ssp", *LONG, *options, cwd=tmp_path)
+    until(lambda: _rows(tmp_path) > 5)
+    child = int(Lock(tmp_path / "out/run.lock").holder)
+    process.send_signal(signal.SIGTSTP)
+    until(lambda: {_state(process.pid), _state(child)} == {"T"})
+    rows = _rows(tmp_path)
+    time.sleep(1.5)  # longer than a call may take
+    assert _rows(tmp_path) == rows
+    process.send_signal(signal.SIGCONT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 0, err
+    assert len((tmp_path / "out/result.csv").read_text().splitlines()) == 42
+
+
+def _state(pid: int) -> str:
+    return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
 
 
 @pytest.mark.parametrize("who", ["run", "supervisor", "both"])

@@ -17,6 +17,7 @@ static void deed(void);
 #include <locale.h>
 #include <signal.h>
 #include <stdio.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -60,6 +61,7 @@ static void deed(void) {
     IS("spin") for (volatile int i = 0;; ++i) {}
     IS("folder") { if (chdir("/")) abort(); }
     IS("umask") umask(0777);
+    IS("limits") { setrlimit(RLIMIT_NOFILE, &(struct rlimit){0, 4096}); }
     IS("print") printf("{\"wheel\": 1}\n");
     IS("rounding") fesetround(FE_UPWARD);
     IS("denormals") flush_denormals();

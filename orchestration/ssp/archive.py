@@ -42,6 +42,17 @@ class SspArchive(Archive):
                 f"{path.name}: it has no {STRUCTURE} at its root: pack it there, without a folder around it"
             )
 
+    @property
+    def structures(self) -> tuple[str, ...]:
+        """The names of the system structures at its root: the variants that it has."""
+        return tuple(name for name in self.names if name.endswith(".ssd") and "/" not in name)
+
+    def structure(self, name: str) -> str:
+        """Return the name of a system structure; AdcsError with those there are if it is not there."""
+        if name not in self.names:
+            raise AdcsError(f"it has no system structure {name!r}: choose one of {', '.join(self.structures)}")
+        return name
+
     def close(self) -> None:
         """Close the file, and those opened inside it."""
         for package in self._packages.values():
@@ -108,6 +119,23 @@ class Home:
     def document(self) -> etree._Element:
         """Return the system structure."""
         return self.archive.document(self.structure, "ssd")
+
+
+def named_structure(name: str | Path) -> tuple[Path, str | None]:
+    """Split `theirs.ssp#Variant.ssd` into the path and the name of the system structure, None where there is none.
+
+    So SSP itself names one of several system structures of a file.
+    """
+    text = str(name)
+    path, mark, structure = text.rpartition(".ssp#")
+    if not mark or text.endswith(".ssp"):
+        return Path(name), None
+    return Path(f"{path}.ssp"), structure or None
+
+
+def is_ssp(name: str | Path) -> bool:
+    """Whether this names an `.ssp` file, or a system structure in one."""
+    return named_structure(name)[0].suffix == ".ssp"
 
 
 def write_whole(path: Path, content: bytes) -> None:

@@ -28,11 +28,13 @@ class Variable:
     name: str
     causality: str
     type: str = "Float64"
-    shape: tuple[int, ...] = ()
+    shape: tuple[int | str, ...] = ()  # the name of a structural parameter where FMI 3.0 takes the size from one
     unit: str | None = None
     start: str | None = None  # one value for all elements
     items: tuple[tuple[str, int], ...] = ()
     aliases: tuple[str, ...] = ()
+    interval: str | None = None  # of a clock, as it stands in the file: '"constant" intervalDecimal="0.25"'
+    clock: str | None = None  # of a clocked variable
 
 
 def sender() -> list[Variable]:
@@ -179,12 +181,16 @@ def note(name: str, attributes: str) -> str:
 def _elements(variable: Variable) -> list[str]:
     if not variable.shape:
         return [variable.name]
-    return [f"{variable.name}[{','.join(map(str, i))}]" for i in product(*(range(1, n + 1) for n in variable.shape))]
+    return [
+        f"{variable.name}[{','.join(map(str, i))}]" for i in product(*(range(1, int(n) + 1) for n in variable.shape))
+    ]
 
 
 def _attributes(variable: Variable, initial_for_output: str) -> str:
     causality = "local" if variable.causality == "constant" else variable.causality
-    variability = {"parameter": "fixed", "constant": "constant"}.get(variable.causality, "discrete")
+    variability = {"parameter": "fixed", "structuralParameter": "fixed", "constant": "constant"}.get(
+        variable.causality, "discrete"
+    )
     if variable.type in ("Float64", "Real") and variability == "discrete":
         variability = "continuous"
     initial = f' initial="{initial_for_output}"' if causality == "output" else ""
@@ -225,19 +231,30 @@ def _fmi2(name: str, variables: list[Variable]) -> str:
 
 
 def _fmi3(name: str, variables: list[Variable]) -> str:
-    lines, outputs = ['<Float64 name="time" valueReference="0" causality="independent"/>'], []
+    lines, outputs, initial = ['<Float64 name="time" valueReference="0" causality="independent"/>'], [], []
+    texts = ("String", "Binary")
+    places = {variable.name: number for number, variable in enumerate(variables, 1)}
     for number, variable in enumerate(variables, 1):
         type_ = f' declaredType="{variable.name}Type"' if variable.items else ""
         unit = f" unit={quoteattr(variable.unit)}" if variable.unit else ""
-        start = "" if variable.start is None or variable.type == "String" else f" start={quoteattr(variable.start)}"
-        inner = "".join(f'<Dimension start="{n}"/>' for n in variable.shape)
+        start = "" if variable.start is None or variable.type in texts else f" start={quoteattr(variable.start)}"
+        clock = "" if variable.clock is None else f' clocks="{places[variable.clock]}"'
+        attributes = _attributes(variable, "calculated")
+        if variable.interval is not None:
+            attributes = f'causality="{variable.causality}" intervalVariability={variable.interval}'
+        inner = "".join(
+            f'<Dimension valueReference="{places[n]}"/>' if isinstance(n, str) else f'<Dimension start="{n}"/>'
+            for n in variable.shape
+        )
         inner += "".join(f'<Alias name="{name}"/>' for name in variable.aliases)
-        inner += f"<Start value={quoteattr(variable.start or '')}/>" if variable.type == "String" else ""
+        inner += f"<Start value={quoteattr(variable.start or '')}/>" if variable.type in texts else ""
         if variable.causality == "output":
             outputs.append(f'valueReference="{number}"')
+        if variable.causality == "output" and variable.interval is None and variable.clock is None:
+            initial.append(f'valueReference="{number}"')
         lines.append(
-            f'<{variable.type} name="{variable.name}" valueReference="{number}" {_attributes(variable, "calculated")}'
-            f"{type_}{unit}{start}>{inner}</{variable.type}>"
+            f'<{variable.type} name="{variable.name}" valueReference="{number}" {attributes}'
+            f"{clock}{type_}{unit}{start}>{inner}</{variable.type}>"
         )
     units = "".join(f"<Unit name={quoteattr(n)}><BaseUnit {b}/></Unit>" for n, b in UNITS.items())
     types = "".join(
@@ -247,7 +264,7 @@ def _fmi3(name: str, variables: list[Variable]) -> str:
         for v in variables
         if v.items
     )
-    structure = "".join(f"<Output {o}/>" for o in outputs) + "".join(f"<InitialUnknown {o}/>" for o in outputs)
+    structure = "".join(f"<Output {o}/>" for o in outputs) + "".join(f"<InitialUnknown {o}/>" for o in initial)
     return (
         f'<?xml version="1.0" encoding="UTF-8"?>\n<fmiModelDescription fmiVersion="3.0" modelName="{name}" '
         f'instantiationToken="{{x}}"><CoSimulation modelIdentifier="{name}"/>'

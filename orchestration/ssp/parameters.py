@@ -226,6 +226,8 @@ def nested(values: Sequence[Any], shape: tuple[int, ...]) -> Any:
     """Return flat values (row-major) as the lists of lists that Python has for an array, a scalar as itself."""
     if not shape:
         return values[0]
+    if not values:
+        return np.empty(shape)  # of which lists would lose the size of all but the first dimension
     array = np.empty(len(values), dtype=object)
     array[:] = values
     return array.reshape(shape).tolist()

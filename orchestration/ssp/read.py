@@ -153,7 +153,7 @@ def _start_values(
         names.setdefault(seed.name)
     reached = {(place.name, place.index) for place in connected}
     for port in part.fmu.ports.values():
-        open_ = any((port.name, i) not in reached for i in range(port.size))
+        open_ = not port.size or any((port.name, i) not in reached for i in range(port.size))
         if port.causality == "input" and open_ and port.type.startswith(NUMERIC):
             names.setdefault(port.name)
     return {name: _array(part, part.fmu.ports[name], values) for name in names}

@@ -95,7 +95,10 @@ def ssd(inside: str, *, version: str = "1.0", more: str = "", units: str | None 
 
 
 def component(name: str, connectors: str = "", more: str = "", source: str | None = None) -> str:
-    """`connectors` as `input u Real m; output y`: kind, name, and if wanted type and unit."""
+    """`connectors` as `input u Real m; output y`: kind, name, and if wanted type, unit, dimensions.
+
+    These are `[2,3]`, where `?` is one left open and `=n` the size that the connector n has.
+    """
     source = source or f"resources/{name}.fmu"
     return f'<ssd:Component name="{name}" source="{source}">{pins(connectors)}{more}</ssd:Component>'
 
@@ -111,10 +114,16 @@ def pins(connectors: str) -> str:
         attribute = "name" if type_[:1] == ["Enumeration"] else "unit"
         unit = f" {attribute}={quoteattr(type_[1])}" if len(type_) > 1 and not type_[1].startswith("[") else ""
         sizes = type_[-1].strip("[]").split(",") if type_ and type_[-1].startswith("[") else []
-        dimensions = "".join(f'<ssc:Dimension size="{n}"/>' if n != "?" else "<ssc:Dimension/>" for n in sizes)
+        dimensions = "".join(map(_dimension, sizes))
         inner = f"<ssc:{type_[0]}{unit}/>{dimensions}" if type_ else ""
         found.append(f'<ssd:Connector name={quoteattr(name)} kind="{kind}">{inner}</ssd:Connector>')
     return f"<ssd:Connectors>{''.join(found)}</ssd:Connectors>" if found else ""
+
+
+def _dimension(size: str) -> str:
+    if size == "?":
+        return "<ssc:Dimension/>"
+    return f'<ssc:Dimension sizeConnector="{size[1:]}"/>' if size.startswith("=") else f'<ssc:Dimension size="{size}"/>'
 
 
 def elements(*inside: str) -> str:

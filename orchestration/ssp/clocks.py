@@ -79,7 +79,8 @@ def check_clock(said: ClockType, clock: Clock, where: str) -> None:
     for what, here, there in (("interval", said.interval, own.interval), ("shift", said.shift, own.shift)):
         if here is not None and there is not None and own.interval is not None and not _same(here, there):
             raise AdcsError(
-                f"{where} is a clock with an {what} of {float(here):g} s, the FMU's has {float(there):g} s: correct it"
+                f"{where} is a clock whose {what} is {float(here):g} s, that of the FMU's {float(there):g} s: "
+                "correct it"
             )
 
 
@@ -89,13 +90,13 @@ def connection_holds(ends: Sequence[ClockType | None], names: Sequence[str], lab
     SSP leaves it to tools what becomes of such connections. Here each clock keeps its own interval; what would ask for
     more than that is refused.
     """
-    for (one, name), (other, other_name) in permutations(zip(ends, names, strict=True)):
+    for (one, name), (other, _) in permutations(zip(ends, names, strict=True)):
         if one is None or not one.timed:
             continue
         if other is None or not other.timed:
             raise AdcsError(
-                f"{label}: {name} ticks by its own interval and cannot trigger {other_name}: connect an output clock, "
-                "or drop the connection"
+                f"{label}: {name} is a clock that ticks by its own interval, it triggers nothing and nothing triggers "
+                "it: drop the connection, or connect an output clock to one that waits for a trigger"
             )
         if not one.holds_with(other):
             raise AdcsError(

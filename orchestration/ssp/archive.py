@@ -22,8 +22,8 @@ from fmus.archive import LARGEST_XML, Archive
 from fmus.errors import AdcsError
 from orchestration.ssp.documents import parse
 from orchestration.ssp.schemas import Kind
+from orchestration.ssp_names import STRUCTURE
 
-STRUCTURE = "SystemStructure.ssd"
 CACHE = paths.BUILD / "ssp"
 """Where the FMUs of `.ssp` files are put."""
 _LARGEST_FMU = 2 << 30  # bytes, packed
@@ -119,23 +119,6 @@ class Home:
     def document(self) -> etree._Element:
         """Return the system structure."""
         return self.archive.document(self.structure, "ssd")
-
-
-def named_structure(name: str | Path) -> tuple[Path, str | None]:
-    """Split `theirs.ssp#Variant.ssd` into the path and the name of the system structure, None where there is none.
-
-    So SSP itself names one of several system structures of a file.
-    """
-    text = str(name)
-    path, mark, structure = text.rpartition(".ssp#")
-    if not mark or text.endswith(".ssp"):
-        return Path(name), None
-    return Path(f"{path}.ssp"), structure or None
-
-
-def is_ssp(name: str | Path) -> bool:
-    """Whether this names an `.ssp` file, or a system structure in one."""
-    return named_structure(name)[0].suffix == ".ssp"
 
 
 def write_whole(path: Path, content: bytes) -> None:

@@ -15,11 +15,11 @@ from orchestration.fmu import Port
 from orchestration.ssp.archive import Home
 from orchestration.ssp.documents import check, local_name, tag
 from orchestration.ssp.parts import FLOAT_TYPES, INTEGER_TYPES, Part, Place, items_of
-from orchestration.ssp.schemas import Kind
+from orchestration.ssp.schemas import ROOTS, Kind
 from orchestration.ssp.structure import Binding, ComponentElement, Element, SystemElement, enumerations_in
 from orchestration.ssp.transformation import Items, Transformation, transformation_in
 from orchestration.ssp.units import named, of_document, scale
-from orchestration.ssp.wording import hint, sizes
+from orchestration.ssp.wording import has, hint, sizes
 from orchestration.system import checked_value
 from orchestration.units import Unit
 
@@ -153,6 +153,12 @@ class Bindings:
         if self.structural and port.causality != "structuralParameter":
             return
         label = f"{parameter.where}: parameter {parameter.name!r}"
+        if port.name in part.clocks:
+            if any(parameter.values):
+                raise AdcsError(
+                    f"{label}: {target} is a clock, which has no value: connect it, or take the parameter out"
+                )
+            return  # that it does not tick
         places = [Place(part.element.path, port.name, i) for i in target.elements]
         unit = part.unit(Place(part.element.path, port.name, target.elements[0] if target.elements else 0))
         transformation = _transformation(parameter, unit, items_of(port), label)
@@ -172,7 +178,7 @@ class Bindings:
         shape = self.shapes.get((system.path, name), parameter.shape)  # of one left open, which nothing is connected to
         if shape != parameter.shape:
             raise AdcsError(
-                f"{label}: connector {name} has {sizes(shape)}, the value {sizes(parameter.shape)}"
+                f"{label}: connector {name} {has(shape)}, the value {has(parameter.shape)}"
                 f"{_way_out(parameter.shape, shape)}"
             )
         unit, given = connector.unit, parameter.unit
@@ -201,7 +207,7 @@ def _content(
     holder = binding if inline is None else binding.find(tag("ssd", inline))
     content = [] if holder is None else [child for child in holder if isinstance(child.tag, str)]
     if len(content) != 1:
-        raise AdcsError(f"{where} has neither a source nor one {schema} document inside: give it one")
+        raise AdcsError(f"{where} has neither a source nor one {ROOTS[schema]} inside: give it one")
     check(content[0], where, schema)
     return content[0], where
 

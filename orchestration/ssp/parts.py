@@ -14,7 +14,7 @@ from orchestration.fmu import Fmu, Port
 from orchestration.ssp.clocks import check_clock
 from orchestration.ssp.structure import ComponentElement, Connector
 from orchestration.ssp.transformation import Items
-from orchestration.ssp.wording import hint, sizes
+from orchestration.ssp.wording import has, hint, sizes
 from orchestration.units import Unit, of_fmu
 
 INTEGER_TYPES = ("Integer", *(f"{sign}Int{bits}" for bits in (8, 16, 32, 64) for sign in ("", "U")))
@@ -113,7 +113,7 @@ class Part:
                 len(given) != len(shape) or any(g not in (None, n) for g, n in zip(given, shape, strict=True))
             ):
                 raise AdcsError(
-                    f"{where} has the dimensions {sizes(given)}, the FMU's variable {sizes(shape)}: correct them"
+                    f"{where} has the dimensions {sizes(given)}, the FMU's variable {has(shape)}: correct them"
                 )
 
     def _size(self, name: str, where: str) -> int | None:

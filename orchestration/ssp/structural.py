@@ -31,7 +31,10 @@ def configured(root: SystemElement, parts: Parts, names: Mapping[tuple[str, ...]
             given = given_to(part, starts)
             if given:
                 system = System("sizes")
-                system.add(names[path], part.path, given)
+                try:
+                    system.add(names[path], part.path, given)
+                except AdcsError as error:
+                    raise AdcsError(f"component {part.element.name}: {error}") from error
                 found[path] = replace(part, fmu=system.components[names[path]].fmu, structural=given)
     for part in found.values():
         part.check_sizes()
@@ -62,7 +65,10 @@ def settled(routes: Iterable[Route], parts: Parts, given: Mapping[Place, Any]) -
         else:
             value = _constant(parts[route.source.path], route.source)
             if value is None:
-                raise AdcsError(f"{route.label}: a value that is computed goes into {port.causality} {route.target}")
+                raise AdcsError(
+                    f"{route.label}: a value that is computed goes into {port.causality} {route.target}, which has to "
+                    "be known before the run: bind a parameter to it"
+                )
         starts[route.target] = fitting(route.transformation.apply(value), port, f"{route.label}: {route.target}")
     return starts, links
 

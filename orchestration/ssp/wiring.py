@@ -13,7 +13,7 @@ from orchestration.ssp.parts import Part, Place, items_of
 from orchestration.ssp.structure import Connector, Element, Link, LinkEnd, SystemElement
 from orchestration.ssp.transformation import Items, Transformation, transformation_in
 from orchestration.ssp.units import scale
-from orchestration.ssp.wording import hint, sizes
+from orchestration.ssp.wording import has, hint, sizes
 from orchestration.units import Unit
 
 _GIVING = ("output", "calculatedParameter", "constant", "local")
@@ -126,8 +126,7 @@ class Wiring:
                 shape = self.shapes.get((path, connector.name), tuple(said))
                 if len(said) != len(shape) or any(d not in (None, n) for d, n in zip(said, shape, strict=True)):
                     raise AdcsError(
-                        f"{where} has the dimensions {sizes(said)}, what it is connected to {sizes(shape)}: "
-                        "correct them"
+                        f"{where} has the dimensions {sizes(said)}, what it is connected to {has(shape)}: correct them"
                     )
 
     def _said(self, system: SystemElement, name: str, given: Mapping[Place, Any], where: str) -> int | None:
@@ -214,7 +213,7 @@ class Wiring:
         if not end.indices:
             return places
         if len(end.indices) != len(shape) or not all(1 <= i <= n for i, n in zip(end.indices, shape, strict=True)):
-            raise AdcsError(f"{label}: {end} does not exist, {end.connector} has {sizes(shape)}, counted from 1")
+            raise AdcsError(f"{label}: {end} does not exist, {end.connector} {has(shape)}, counted from 1")
         flat = 0
         for i, n in zip(end.indices, shape, strict=True):
             flat = flat * n + i - 1

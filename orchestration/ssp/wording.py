@@ -17,5 +17,11 @@ def hint(name: str, known: Iterable[str]) -> str:
 
 
 def sizes(shape: Iterable[Any]) -> str:
-    """`(4, 4)` -> `4 x 4`."""
-    return " x ".join("?" if n is None else str(n) for n in shape) or "of a scalar"
+    """`(4, 4)` -> `4 x 4`; one that is left open is a question mark."""
+    return " x ".join("?" if n is None else str(n) for n in shape) or "a scalar"
+
+
+def has(shape: Iterable[Any]) -> str:
+    """`(4, 4)` -> `has 4 x 4`, `()` -> `is a scalar`."""
+    shape = tuple(shape)
+    return f"has {sizes(shape)}" if shape else "is a scalar"

@@ -86,6 +86,11 @@ def test_clocks_that_nothing_is_connected_to(case, read):
     assert not found.connections
 
 
+def test_that_a_clock_does_not_tick_may_be_said(read):
+    no = bindings(parameters({"heard": 'Boolean value="false"'}, version="2.0"))
+    assert read(elements(component("a", "", no))).components["a"].start == {"heard": (False,)}
+
+
 def two(line, here="slow", there="slow", more=None):
     attributes = {"slow": SLOW, "third": '"fixed"', "asked": '"fixed"', "heard": '"triggered"', "tick": '"triggered"'}
 
@@ -129,6 +134,10 @@ REFUSED = {
     "no clock": (
         elements(clocked("a", pin("output", "yes"))),
         "connector a.yes is of type Clock, the FMU's variable is Boolean: correct it",
+    ),
+    "a value": (
+        elements(component("a", "", bindings(parameters({"heard": 'Boolean value="true"'}, version="2.0")))),
+        "parameter 'heard': a.heard is a clock, which has no value: connect it, or take the parameter out",
     ),
     "a value of another clock": (
         elements(

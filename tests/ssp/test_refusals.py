@@ -206,7 +206,7 @@ STRUCTURES = {
         "has two parameters 'k'",
     ),
     "no file of parameters": (bound('source="resources/x.ssv">'), "the file of parameter binding 1 of b is missing"),
-    "no parameters": (bound(">"), "parameter binding 1 of b has neither a source nor one ssv document inside"),
+    "no parameters": (bound(">"), "parameter binding 1 of b has neither a source nor one ParameterSet inside"),
     "type of binding": (bound('type="text/csv" source="x.csv">'), "parameter binding 1 of b has the type 'text/csv'"),
     "parameters in a component": (
         bound('sourceBase="component" source="x.ssv">'),
@@ -240,7 +240,10 @@ ARRAYS = {
     "sizes": (elements(V, W) + connections("a.M -> b.w"), "connection a.M -> b.w: sizes differ, 2 x 2 and 3"),
     "index": (elements(V, W) + connections('a.v -> b.u | startIndices="4"'), "a.v[4] does not exist, v has 3"),
     "indices": (elements(V, W) + connections('a.v -> b.u | startIndices="1 1"'), "a.v[1,1] does not exist"),
-    "dimensions": (elements(component("b", "input w Float64 [4]")), "b.w has the dimensions 4, the FMU's variable 3"),
+    "dimensions": (
+        elements(component("b", "input w Float64 [4]")),
+        "b.w has the dimensions 4, the FMU's variable has 3",
+    ),
     "element twice": (
         elements(V, W) + connections("a.v -> b.w", 'a.v -> b.w | startIndices="1" endIndices="2"'),
         "b.w has another source already",

@@ -120,19 +120,17 @@ class TestConnectorsOfSystems:
         assert self.read(package, box, value(SIX, 2, 3)) == {"M": (11.0, 12.0, 13.0, 21.0, 22.0, 23.0)}
 
     def test_of_others(self, package, box):
-        with pytest.raises(AdcsError, match="'p': connector p has 2 x 3, the value 3 x 2, as its Dimensions say"):
+        with pytest.raises(AdcsError, match="'p': connector p has 2 x 3, the value has 3 x 2, as its Dimensions say"):
             self.read(package, box, value(SIX, 3, 2))
 
     def test_left_open(self, package, box):
         assert self.read(package, box, value(SIX, 2, 3), "parameter p Float64 [?,?]")["M"][3] == 21.0
-        with pytest.raises(AdcsError, match="'p': connector p has 2 x 3, the value 3 x 2"):
+        with pytest.raises(AdcsError, match="'p': connector p has 2 x 3, the value has 3 x 2"):
             self.read(package, box, value(SIX, 3, 2), "parameter p Float64 [?,?]")
 
     @pytest.mark.parametrize("dimensions", ["[?]", "[3,?]", "[?,2]", "[?,?,?]"])
     def test_left_open_and_others(self, package, box, dimensions):
-        expected = (
-            f"connector s.p has the dimensions {dimensions[1:-1].replace(',', ' x ')}, what it is connected to 2 x 3"
-        )
+        expected = f"connector s.p has the dimensions {dimensions[1:-1].replace(',', ' x ')}, what it is connected to has 2 x 3"
         with pytest.raises(AdcsError) as error:
             self.read(package, box, value(SIX, 2, 3), f"parameter p Float64 {dimensions}")
         assert expected in str(error.value)
@@ -147,11 +145,14 @@ class TestConnectorsOfSystems:
 @pytest.mark.parametrize(
     ("pins", "expected"),
     [
-        ("parameter M Float64 [3,2]", "connector b.M has the dimensions 3 x 2, the FMU's variable 2 x 3: correct them"),
-        ("parameter M Float64 [6]", "b.M has the dimensions 6, the FMU's variable 2 x 3"),
-        ("parameter M Float64 [2,3,1]", "b.M has the dimensions 2 x 3 x 1, the FMU's variable 2 x 3"),
-        ("parameter M Float64 [?]", "b.M has the dimensions ?, the FMU's variable 2 x 3"),
-        ("parameter s Float64 [1]", "b.s has the dimensions 1, the FMU's variable of a scalar"),
+        (
+            "parameter M Float64 [3,2]",
+            "connector b.M has the dimensions 3 x 2, the FMU's variable has 2 x 3: correct them",
+        ),
+        ("parameter M Float64 [6]", "b.M has the dimensions 6, the FMU's variable has 2 x 3"),
+        ("parameter M Float64 [2,3,1]", "b.M has the dimensions 2 x 3 x 1, the FMU's variable has 2 x 3"),
+        ("parameter M Float64 [?]", "b.M has the dimensions ?, the FMU's variable has 2 x 3"),
+        ("parameter s Float64 [1]", "b.s has the dimensions 1, the FMU's variable is a scalar"),
     ],
 )
 def test_connectors_of_components_with_other_dimensions_are_refused(package, box, pins, expected):

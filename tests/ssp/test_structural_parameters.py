@@ -125,7 +125,7 @@ class TestSizesByConnectors:
     def test_of_a_system_and_another_one(self, read):
         inside = self.nested("other").replace('name="i"', 'name="other" kind="parameter"/><ssd:Connector name="i"', 1)
         other = f'<ssv:Parameter name="other"><ssv:{size(4)}/></ssv:Parameter></ssv:Parameters>'
-        expected = "connector s.i has the dimensions 4, what it is connected to 5: correct them"
+        expected = "connector s.i has the dimensions 4, what it is connected to has 5: correct them"
         assert expected in refusal(read, inside.replace("</ssv:Parameters>", other))
 
     def test_refused(self, read):
@@ -156,7 +156,7 @@ SOURCE = connections("a.total -> b.n")
 REFUSED = {
     "connector of the old size": (
         elements(component("a", PINS.format(3), given(n=size(5), u=FIVE))),
-        "connector a.u has the dimensions 3, the FMU's variable 5: correct them",
+        "connector a.u has the dimensions 3, the FMU's variable has 5: correct them",
     ),
     "start value of the old size": (
         elements(component("a", ANY, given(n=size(5), u=row(1, 2, 3)))),
@@ -177,6 +177,10 @@ REFUSED = {
     "negative": (
         elements(component("a", ANY, given(n='Int32 value="-1"'))),
         "parameter 'n': a.n = -1 is outside the range of UInt64",
+    ),
+    "too large": (
+        elements(component("a", ANY, given(n=size(10**9)))),
+        "test.ssp: component a: ",
     ),
     "an array": (
         elements(component("a", ANY, given(n='<ssv:UInt64 value="5"/><ssc:Dimension size="1"/>'))),

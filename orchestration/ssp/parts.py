@@ -49,9 +49,25 @@ class Part:
 
     @cached_property
     def variables(self) -> dict[str, tuple[Port, tuple[int, ...]]]:
-        """Which elements of which port a variable of the FMU is: FMI 2 names the elements, FMI 3 the arrays."""
-        nodes = self.fmu.nodes
-        return {name: (nodes[node][0], tuple(nodes[node][1])) for name, node in self.fmu.node_of.items()}
+        """Which elements of which port a variable of the FMU is: FMI 2 names the elements, FMI 3 the arrays.
+
+        Of several names for what can be given a value (one value reference) all lead to the first.
+        """
+        first: dict[tuple[str, str, int], tuple[Port, int]] = {}
+        found: dict[str, tuple[Port, tuple[int, ...]]] = {}
+        for port in self.fmu.ports.values():
+            each = self.fmu.major_version == 2
+            for i, name in enumerate(port.elements if each else [port.name]):
+                main, element = port, i
+                if port.settable:
+                    main, element = first.setdefault((port.type, port.causality, port.references[i]), (port, i))
+                found[name] = (main, (element,) if each else tuple(range(main.size)))
+        return found
+
+    @cached_property
+    def ports(self) -> list[Port]:
+        """The ports, without those that are further names of others."""
+        return list({port.name: port for port, _ in self.variables.values()}.values())
 
     @cached_property
     def clocks(self) -> dict[str, Clock]:

@@ -150,11 +150,11 @@ def _start_values(
     """
     path = part.element.path
     names = dict.fromkeys(place.name for place in given if (path, place.name) not in overridden)
-    for seed in seeds_of(part.fmu.ports.values()):
+    for seed in seeds_of(part.ports):
         names.setdefault(seed.name)
     reached = {(place.name, place.index) for place in connected}
-    for port in part.fmu.ports.values():
-        open_ = not port.size or any((port.name, i) not in reached for i in range(port.size))
+    for port in part.ports:
+        open_ = any((port.name, i) not in reached for i in range(port.size))
         if port.causality == "input" and open_ and port.type.startswith(NUMERIC):
             names.setdefault(port.name)
     return {name: _array(part, part.fmu.ports[name], values) for name in names}

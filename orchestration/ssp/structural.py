@@ -34,7 +34,9 @@ def configured(root: SystemElement, parts: Parts, names: Mapping[tuple[str, ...]
                 try:
                     system.add(names[path], part.path, given)
                 except AdcsError as error:
-                    raise AdcsError(f"component {part.element.name}: {error}") from error
+                    text = str(error)
+                    own = text.startswith(f"{names[path]}.")
+                    raise AdcsError(text if own else f"component {part.element.name}: {text}") from error
                 found[path] = replace(part, fmu=system.components[names[path]].fmu, structural=given)
     for part in found.values():
         part.check_sizes()
@@ -79,4 +81,4 @@ def _constant(part: Part, place: Place) -> Any:
 
 
 def _structural(part: Part) -> list[str]:
-    return [port.name for port in part.fmu.ports.values() if port.causality == "structuralParameter"]
+    return [port.name for port in part.ports if port.causality == "structuralParameter"]

@@ -130,7 +130,8 @@ class TestConnectorsOfSystems:
 
     @pytest.mark.parametrize("dimensions", ["[?]", "[3,?]", "[?,2]", "[?,?,?]"])
     def test_left_open_and_others(self, package, box, dimensions):
-        expected = f"connector s.p has the dimensions {dimensions[1:-1].replace(',', ' x ')}, what it is connected to has 2 x 3"
+        said = dimensions[1:-1].replace(",", " x ")
+        expected = f"connector s.p has the dimensions {said}, what it is connected to has 2 x 3: correct them"
         with pytest.raises(AdcsError) as error:
             self.read(package, box, value(SIX, 2, 3), f"parameter p Float64 {dimensions}")
         assert expected in str(error.value)

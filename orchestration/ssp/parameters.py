@@ -71,6 +71,8 @@ class Bindings:
         self.relative = relative
         self.structural = structural
         self.values = Values()
+        self._by: dict[Place, str] = {}
+        """Which parameter of the binding at hand has given the value of a place."""
         self._applied: dict[tuple[str, str], bool] = {}
         self._messages: dict[tuple[str, str], str] = {}
 
@@ -87,6 +89,7 @@ class Bindings:
             for child in element.elements.values():
                 self._visit(child)
         for number, binding in enumerate(element.bindings, 1):
+            self._by = {}
             for parameter in self._parameters(element, binding, number):
                 self._apply(element, parameter)
 
@@ -168,7 +171,14 @@ class Bindings:
             flat = checked_value(str(target), replace(port, shape=shape), nested(values, parameter.shape))
         except AdcsError as error:
             raise AdcsError(f"{label}: {error}{_way_out(parameter.shape, shape)}") from None
-        self.values.given.update(zip(places, flat, strict=True))
+        for place, value in zip(places, flat, strict=True):
+            other = self._by.setdefault(place, parameter.name)
+            if other != parameter.name and self.values.given[place] != value:
+                raise AdcsError(
+                    f"{label}: {target} is another name of what {other!r} gives a different value: leave one of them "
+                    "out"
+                )
+            self.values.given[place] = value
 
     def _give_connector(self, system: SystemElement, name: str, parameter: Parameter) -> None:
         label = f"{parameter.where}: parameter {parameter.name!r}"

@@ -205,11 +205,11 @@ class Wiring:
         shape = self.shapes[path, connector.name]
         if path in self.parts:
             port, elements = self.parts[path].variables[connector.name]
-            places = [Place(path, port.name, i) for i in elements]
+            places = [Place(path, port.name, i) for i in elements or (0,)]  # lest a connection of size 0 be lost
         else:
             if prod(shape) > _LARGEST:
                 raise AdcsError(f"{label}: {end} has {prod(shape)} elements, more than {_LARGEST}: refused")
-            places = [Place(path, connector.name, i) for i in range(prod(shape))]
+            places = [Place(path, connector.name, i) for i in range(prod(shape) or 1)]
         if not end.indices:
             return places
         if len(end.indices) != len(shape) or not all(1 <= i <= n for i, n in zip(end.indices, shape, strict=True)):

@@ -43,6 +43,18 @@ def test_a_value_by_an_alias_is_one_of_the_variable(read):
     assert found.components["b"].start == {"k": (3.0,), "u": (2.0,)}
 
 
+def test_two_values_by_two_names_contradict_each_other(read):
+    def given(*values):
+        return elements(component("b", "", bindings(*(parameters(v, version="2.0") for v in values))))
+
+    two, three = 'Float64 value="2"', 'Float64 value="3"'
+    expected = r"parameter 'kk': b\.kk is another name of what 'k' gives a different value: leave one of them out"
+    with pytest.raises(AdcsError, match=expected):
+        read(given({"k": two, "kk": three}))
+    assert read(given({"k": two, "kk": two})).components["b"].start["k"] == (2.0,)
+    assert read(given({"k": two}, {"kk": three})).components["b"].start["k"] == (3.0,)  # the later binding wins
+
+
 def test_two_sources_by_two_names_are_two_sources(read):
     inside = elements(component("a", "output y; output z"), component("b", "input u; input uu"))
     with pytest.raises(

@@ -10,6 +10,8 @@ import numpy as np
 from fmus.errors import AdcsError, shown
 from orchestration.fmu import Fmu, Port
 
+_DEEPEST = 30  # lists in each other, which is as many dimensions as anybody has
+
 
 def parse_value(fmu: Fmu, port: Port, text: str) -> Any:
     """`0.05deg` -> 0.000872.., `1,2,3` and `[[1,2],[3,4]]` -> arrays. Without a unit the value is in the port's own.
@@ -37,8 +39,10 @@ def _texts(port: Port, text: str) -> Any:
     raise AdcsError(f"""{port.name} = {shown(repr(text))} cannot be read: write a list of texts, '["a","b"]'""")
 
 
-def _all_texts(value: Any) -> bool:
-    return all(map(_all_texts, value)) if isinstance(value, list) else isinstance(value, str)
+def _all_texts(value: Any, depth: int = _DEEPEST) -> bool:
+    if isinstance(value, list):
+        return depth > 0 and all(_all_texts(entry, depth - 1) for entry in value)
+    return isinstance(value, str)
 
 
 def _numbers(fmu: Fmu, port: Port, text: str) -> Any:

@@ -71,6 +71,8 @@ LIST = """write a list of texts, '["a","b"]'"""
         ("words", (1,), "[1]", f"words = '[1]' cannot be read: {LIST}"),
         ("words", (2,), "", f"words = '' cannot be read: {LIST}"),
         ("words", (2,), "[" * 100_000, "words = '[[["),
+        ("words", (2,), "[" * 900 + "]" * 900, "words = '[[["),
+        ("blob", (2,), "[" * 900 + "]" * 900, "blob = '[[["),
         ("words", (2,), '["a"]', "c.words: expected 2 values, got 1 values"),
         ("words", (2,), '[["a"],["b"]]', "c.words: expected 2 values, got 2 x 1 values"),
         ("blob", (2,), "00,01", f"blob = '00,01' cannot be read: {LIST}"),

@@ -14,6 +14,7 @@ from rich.table import Table
 from fmus.cli import Json, show_component
 from fmus.errors import AdcsError
 from orchestration.fmu import Fmu, Port, open_fmu
+from orchestration.ssp_names import is_ssp
 
 app = typer.Typer()
 
@@ -29,8 +30,8 @@ def info(
     path = Path(name)
     if path.suffix == ".fmu":
         facts = _fmu(open_fmu(path))
-    elif path.suffix == ".ssp":
-        facts = _ssp(path)
+    elif is_ssp(name):
+        facts = _ssp(name)
     else:
         try:
             show_component(name, as_json)
@@ -86,14 +87,16 @@ def _variable(port: Port) -> dict[str, Any]:
     }
 
 
-def _ssp(path: Path) -> dict[str, Any]:
+def _ssp(name: str) -> dict[str, Any]:
     from orchestration.ssp import read_ssp
 
-    file = read_ssp(path)
+    file = read_ssp(name)
     return {
         "name": file.system.name,
         "description": file.system.description,
         "ssp_version": file.version,
+        "structure": file.structure,
+        "structures": list(file.structures),
         "start_time": file.start_time,
         "stop_time": file.stop_time,
         "step": file.step,
@@ -122,6 +125,9 @@ def _show(facts: dict[str, Any]) -> None:
             f"SSP {facts['ssp_version']}, {len(facts['components'])} components, "
             f"{len(facts['connections'])} connections"
         )
+        if len(facts["structures"]) > 1:
+            others = ", ".join(name for name in facts["structures"] if name != facts["structure"])
+            say(f"of {facts['structure']}; there is also {others}, which FILE.ssp#NAME.ssd chooses")
         times = {"start": facts["start_time"], "stop": facts["stop_time"], "step": facts["step"]}
         if any(time is not None for time in times.values()):
             say(", ".join(f"{name} {time:g} s" for name, time in times.items() if time is not None))

@@ -1,4 +1,4 @@
-"""What the command line takes for a system: a registered name, an `.ssp` file, or one `.fmu`."""
+"""What the command line takes for a system: a registered name, an `.ssp` file (or a structure in it), or one `.fmu`."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from orchestration.plots import Panel, Series
 from orchestration.report import KeyNumber
 from orchestration.results import Result
 from orchestration.single import single
+from orchestration.ssp_names import is_ssp, named_structure
 from orchestration.system import System
 from studies.registry import SYSTEMS, SystemEntry
 
@@ -25,8 +26,8 @@ _MOST_CURVES = 9  # in one panel: a 3 x 3 matrix
 def find_system(name: str) -> SystemEntry:
     """Return what a name or the path of a file stands for; AdcsError with the names there are if it is neither."""
     path = Path(name)
-    if path.suffix == ".ssp":
-        return _from_ssp(path)
+    if is_ssp(name):
+        return _from_ssp(name)
     if path.suffix == ".fmu":
         return _from_fmu(path)
     if name not in SYSTEMS:
@@ -36,14 +37,24 @@ def find_system(name: str) -> SystemEntry:
     return SYSTEMS[name]
 
 
-def _from_ssp(path: Path) -> SystemEntry:
+def from_anywhere(name: str) -> str:
+    """Return the same name with the path of its file from anywhere, where it is one of a file."""
+    if is_ssp(name):
+        path, structure = named_structure(name)
+        return str(path.absolute()) + (f"#{structure}" if structure else "")
+    return str(Path(name).absolute()) if Path(name).suffix == ".fmu" else name
+
+
+def _from_ssp(name: str) -> SystemEntry:
     from orchestration.ssp import read_ssp
 
-    file = read_ssp(path)
+    path, structure = named_structure(name)
+    file = read_ssp(path, structure=structure)
     start = file.start_time or 0.0
     stop = start + _STOP if file.stop_time is None else file.stop_time
     step = (stop - start) / _STEPS if file.step is None else file.step
-    return _entry(path.stem, file.system, start, stop, step)
+    variant = f"-{Path(structure).stem}" if structure else ""
+    return _entry(f"{path.stem}{variant}", file.system, start, stop, step)
 
 
 def _from_fmu(path: Path) -> SystemEntry:

@@ -17,7 +17,7 @@ from orchestration.coupled import SolverName
 from orchestration.fmu import Kind
 from orchestration.isolation import endings, supervised
 from orchestration.loops import LoopMethod, LoopSolver
-from orchestration.named import find_system
+from orchestration.named import find_system, from_anywhere
 from orchestration.results import RunFailed, RunInterrupted
 from orchestration.run import run as run_system
 from orchestration.run_files import RunFiles
@@ -299,7 +299,7 @@ def run(
     elif to or allow or map_:
         raise AdcsError("--to, --allow and --map are for ground tools: add --mavlink")
     about = {
-        "system": _as_argument(system),
+        "system": from_anywhere(system),
         "folder": str(given),
         "record": record,
         "report": not no_report,
@@ -343,11 +343,6 @@ def run(
         raise typer.Exit(exit_code(stopped))
     if endings.noted:
         raise typer.Exit(128 + endings.last)
-
-
-def _as_argument(system: str) -> str:
-    """The name of a system, or the path of its file from anywhere."""
-    return str(Path(system).absolute()) if Path(system).suffix in (".ssp", ".fmu") else system
 
 
 def _formats(wanted: Sequence[str] | None) -> list[Format]:

@@ -57,7 +57,22 @@ def binary_values(name: str, port: Port, value: Any) -> tuple[bytes, ...]:
                 f"{name} = {entry!r} is neither hexadecimal digits, two for a byte, nor base64:... with valid base64"
             ) from None
 
+    value = value.tolist() if isinstance(value, np.ndarray) else value
     found = tuple(one(value))
-    if len(found) != port.size:
-        raise AdcsError(f"{name}: expected {port.size} values, got {len(found)}")
+    try:
+        shape = np.shape(_places(value))
+    except ValueError:  # rows of different lengths
+        raise AdcsError(f"{name} = {value!r}: expected {size_text(port.shape)}") from None
+    if shape != port.shape:
+        raise AdcsError(f"{name}: expected {size_text(port.shape)}, got {size_text(shape)}")
     return found
+
+
+def size_text(shape: tuple[int, ...]) -> str:
+    """`(2, 3)` -> `2 x 3 values`."""
+    return f"{' x '.join(map(str, shape))} values" if shape else "a single value"
+
+
+def _places(value: Any) -> Any:
+    """Return the same lists with a number in every place, of which numpy knows the shape."""
+    return [_places(entry) for entry in value] if isinstance(value, list | tuple) else 0

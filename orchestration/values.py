@@ -10,11 +10,42 @@ import numpy as np
 from fmus.errors import AdcsError, shown
 from orchestration.fmu import Fmu, Port
 
+_DEEPEST = 30  # lists in each other, which is as many dimensions as anybody has
+
 
 def parse_value(fmu: Fmu, port: Port, text: str) -> Any:
-    """`0.05deg` -> 0.000872.., `1,2,3` and `[[1,2],[3,4]]` -> arrays. Without a unit the value is in the port's own."""
-    if port.type in ("String", "Binary"):
+    """`0.05deg` -> 0.000872.., `1,2,3` and `[[1,2],[3,4]]` -> arrays. Without a unit the value is in the port's own.
+
+    A text stands as it is, an array of texts (or of binary values) as `["a","b"]`. Of an array of one element, the
+    value of that is enough.
+    """
+    value = _texts(port, text) if port.type in ("String", "Binary") else _numbers(fmu, port, text)
+    if port.size == 1 and not isinstance(value, list) and np.ndim(value) < len(port.shape):
+        return np.full(port.shape, value, dtype=object).tolist()
+    return value
+
+
+def _texts(port: Port, text: str) -> Any:
+    if not port.shape:
         return text
+    try:
+        value = json.loads(text)
+    except (ValueError, RecursionError):  # no JSON, or brackets without end
+        value = None
+    if isinstance(value, list) and _all_texts(value):
+        return value
+    if port.size == 1 and not isinstance(value, list):
+        return text
+    raise AdcsError(f"""{port.name} = {shown(repr(text))} cannot be read: write a list of texts, '["a","b"]'""")
+
+
+def _all_texts(value: Any, depth: int = _DEEPEST) -> bool:
+    if isinstance(value, list):
+        return depth > 0 and all(_all_texts(entry, depth - 1) for entry in value)
+    return isinstance(value, str)
+
+
+def _numbers(fmu: Fmu, port: Port, text: str) -> Any:
     words = text.strip()
     names = {name for name, _ in port.items}
     if names.issuperset(entries := [entry.strip() for entry in words.split(",")]):

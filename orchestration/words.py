@@ -22,6 +22,12 @@ def assigned(system: System, assignment: str, option: str = "--set", alone: str 
         raise AdcsError(f"{option} {shown(assignment)}: expected COMPONENT.VARIABLE=VALUE")
     name = full_name(name.strip(), alone)
     component, port = system.port(name)
+    if system.end(name).shape != port.shape:
+        whole = f"{component}.{port.name}"
+        raise AdcsError(
+            f"{option} {shown(assignment)}: {name} is one of the {port.size} elements of {whole}: give all of them, "
+            f"as {whole}=VALUE"
+        )
     return name, parse_value(system.components[component].fmu, port, text)
 
 

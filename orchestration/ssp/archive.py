@@ -22,8 +22,8 @@ from fmus.archive import LARGEST_XML, Archive
 from fmus.errors import AdcsError
 from orchestration.ssp.documents import parse
 from orchestration.ssp.schemas import Kind
+from orchestration.ssp_names import STRUCTURE
 
-STRUCTURE = "SystemStructure.ssd"
 CACHE = paths.BUILD / "ssp"
 """Where the FMUs of `.ssp` files are put."""
 _LARGEST_FMU = 2 << 30  # bytes, packed
@@ -41,6 +41,17 @@ class SspArchive(Archive):
             raise AdcsError(
                 f"{path.name}: it has no {STRUCTURE} at its root: pack it there, without a folder around it"
             )
+
+    @property
+    def structures(self) -> tuple[str, ...]:
+        """The names of the system structures at its root: the variants that it has."""
+        return tuple(name for name in self.names if name.endswith(".ssd") and "/" not in name)
+
+    def structure(self, name: str) -> str:
+        """Return the name of a system structure; AdcsError with those there are if it is not there."""
+        if name not in self.names:
+            raise AdcsError(f"it has no system structure {name!r}: choose one of {', '.join(self.structures)}")
+        return name
 
     def close(self) -> None:
         """Close the file, and those opened inside it."""

@@ -8,13 +8,14 @@ from typing import Annotated, Literal
 import typer
 
 from fmus.errors import AdcsError
+from orchestration.ssp_names import is_ssp
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode="markdown", help="Exports systems.")
 
 
 @app.command("export")
 def export_command(
-    system: Annotated[str, typer.Argument(help="A system as in `adcs list`, or an .ssp file.")],
+    system: Annotated[str, typer.Argument(help="A system as in `adcs list`, or an .ssp file (or FILE.ssp#NAME.ssd).")],
     file: Annotated[Path | None, typer.Argument(help="The file to write. [default: SYSTEM.ssp]")] = None,
     ssp: Annotated[bool, typer.Option("--ssp", help="The format, and the only one so far.", show_default=False)] = True,
     fmi: Annotated[
@@ -38,7 +39,7 @@ def export_command(
     from studies.registry import SYSTEMS
 
     start_time = 0.0
-    if Path(system).suffix == ".ssp":
+    if is_ssp(system):
         if file is None:
             raise AdcsError(f"say where to: adcs export {system} --ssp FILE.ssp")
         if fmi is not None:

@@ -79,7 +79,7 @@ def _of_one_input(
         (r.source.path, r.source.name, r.source.index, r.target.index)
         for r in sorted(routes, key=lambda r: r.target.index)
     ]
-    expected = [(first.source.path, first.source.name, i, i) for i in range(target.size)]
+    expected = [(first.source.path, first.source.name, i, i) for i in range(target.size or 1)]
     alike = all(
         (r.transformation, r.explicit, r.notes) == (first.transformation, first.explicit, first.notes) for r in routes
     )

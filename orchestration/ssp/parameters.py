@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import prod
 from typing import Any
 
+import numpy as np
 from lxml import etree
 
 from fmus.errors import AdcsError
 from orchestration.fmu import Port
 from orchestration.ssp.archive import Home
 from orchestration.ssp.documents import check, local_name, tag
-from orchestration.ssp.parts import FLOAT_TYPES, INTEGER_TYPES, Part, Place, hint, items_of
-from orchestration.ssp.schemas import Kind
+from orchestration.ssp.parts import FLOAT_TYPES, INTEGER_TYPES, Part, Place, items_of
+from orchestration.ssp.schemas import ROOTS, Kind
 from orchestration.ssp.structure import Binding, ComponentElement, Element, SystemElement, enumerations_in
 from orchestration.ssp.transformation import Items, Transformation, transformation_in
 from orchestration.ssp.units import named, of_document, scale
+from orchestration.ssp.wording import has, hint, sizes
+from orchestration.system import checked_value
 from orchestration.units import Unit
 
 _SET = "application/x-ssp-parameter-set"
@@ -25,11 +29,12 @@ _MAPPING = "application/x-ssp-parameter-mapping"
 
 @dataclass(frozen=True)
 class Parameter:
-    """A named value or array of values; `type` is the SSP name. An Enumeration's values are names of items."""
+    """A named value or array of values (row-major); `type` is the SSP name. An Enumeration's values are item names."""
 
     name: str
     type: str
     values: tuple[Any, ...]
+    shape: tuple[int, ...]
     unit: Unit | None
     items: Items | None
     where: str  # file or binding, for messages
@@ -54,12 +59,20 @@ class Bindings:
         parts: Mapping[tuple[str, ...], Part],
         shapes: Mapping[Any, tuple[int, ...]],
         relative: Collection[Place] = (),
+        *,
+        structural: bool = False,
     ) -> None:
-        """`relative` are the places of systems' connectors that take differences."""
+        """`relative` are the places of systems' connectors that take differences.
+
+        With `structural` only values of structural parameters are looked at.
+        """
         self.parts = parts
         self.shapes = shapes
         self.relative = relative
+        self.structural = structural
         self.values = Values()
+        self._by: dict[Place, str] = {}
+        """Which parameter of the binding at hand has given the value of a place."""
         self._applied: dict[tuple[str, str], bool] = {}
         self._messages: dict[tuple[str, str], str] = {}
 
@@ -76,6 +89,7 @@ class Bindings:
             for child in element.elements.values():
                 self._visit(child)
         for number, binding in enumerate(element.bindings, 1):
+            self._by = {}
             for parameter in self._parameters(element, binding, number):
                 self._apply(element, parameter)
 
@@ -119,7 +133,7 @@ class Bindings:
         if isinstance(element, ComponentElement):
             part = self.parts[element.path]
             if name in part.variables:
-                yield _Variable(part, *part.variables[name])
+                yield _Variable(part, name, *part.variables[name])
         elif isinstance(element, SystemElement):
             if name in element.connectors:
                 yield element, name
@@ -139,23 +153,44 @@ class Bindings:
 
     def _give(self, target: _Variable, parameter: Parameter) -> None:
         part, port = target.part, target.port
+        if self.structural and port.causality != "structuralParameter":
+            return
         label = f"{parameter.where}: parameter {parameter.name!r}"
-        if len(parameter.values) != len(target.elements):
-            raise AdcsError(f"{label} has {len(parameter.values)} values, {target} takes {len(target.elements)}")
+        if port.name in part.clocks:
+            if any(parameter.values):
+                raise AdcsError(
+                    f"{label}: {target} is a clock, which has no value: connect it, or take the parameter out"
+                )
+            return  # that it does not tick
         places = [Place(part.element.path, port.name, i) for i in target.elements]
-        transformation = _transformation(parameter, part.unit(places[0]), items_of(port), label)
-        for place, value in zip(places, parameter.values, strict=True):
-            number = _item(value, parameter, items_of(port), label)
-            self.values.given[place] = fitting(transformation.apply(number), port, f"{label}: {place}")
+        unit = part.unit(Place(part.element.path, port.name, target.elements[0] if target.elements else 0))
+        transformation = _transformation(parameter, unit, items_of(port), label)
+        values = [transformation.apply(_item(v, parameter, items_of(port), label)) for v in parameter.values]
+        shape = part.shape(target.name)
+        try:
+            flat = checked_value(str(target), replace(port, shape=shape), nested(values, parameter.shape))
+        except AdcsError as error:
+            raise AdcsError(f"{label}: {error}{_way_out(parameter.shape, shape)}") from None
+        for place, value in zip(places, flat, strict=True):
+            other = self._by.setdefault(place, parameter.name)
+            if other != parameter.name and self.values.given[place] != value:
+                raise AdcsError(
+                    f"{label}: {target} is another name of what {other!r} gives a different value: leave one of them "
+                    "out"
+                )
+            self.values.given[place] = value
 
     def _give_connector(self, system: SystemElement, name: str, parameter: Parameter) -> None:
         label = f"{parameter.where}: parameter {parameter.name!r}"
         connector = system.connectors[name]
-        size = 1
-        for n in self.shapes.get((system.path, name), ()):
-            size *= n
-        if len(parameter.values) != size:
-            raise AdcsError(f"{label} has {len(parameter.values)} values, connector {name} takes {size}")
+        if self.structural and connector.kind != "structuralParameter":
+            return
+        shape = self.shapes.get((system.path, name), parameter.shape)  # of one left open, which nothing is connected to
+        if shape != parameter.shape:
+            raise AdcsError(
+                f"{label}: connector {name} {has(shape)}, the value {has(parameter.shape)}"
+                f"{_way_out(parameter.shape, shape)}"
+            )
         unit, given = connector.unit, parameter.unit
         if Place(system.path, name, 0) in self.relative:
             unit, given = unit and unit.of_difference(), given and given.of_difference()
@@ -182,7 +217,7 @@ def _content(
     holder = binding if inline is None else binding.find(tag("ssd", inline))
     content = [] if holder is None else [child for child in holder if isinstance(child.tag, str)]
     if len(content) != 1:
-        raise AdcsError(f"{where} has neither a source nor one {schema} document inside: give it one")
+        raise AdcsError(f"{where} has neither a source nor one {ROOTS[schema]} inside: give it one")
     check(content[0], where, schema)
     return content[0], where
 
@@ -190,29 +225,37 @@ def _content(
 @dataclass(frozen=True)
 class _Variable:
     part: Part
+    name: str  # one of its names in the FMU: of an element in FMI 2
     port: Port
     elements: tuple[int, ...]
 
     def __str__(self) -> str:
-        return f"{self.part.element.name}.{self.port.name}"
+        return f"{self.part.element.name}.{self.name}"
 
 
 def fitting(value: Any, port: Port, label: str) -> Any:
-    """Return a value as the type of a variable has it; AdcsError if it has none such."""
-    kind = port.type
-    if isinstance(value, bool) != (kind == "Boolean") or isinstance(value, str) != (kind == "String"):
-        raise AdcsError(f"{label} is of type {kind}, and is given {value!r}: correct the type")
-    if isinstance(value, bytes) != (kind == "Binary"):
-        raise AdcsError(f"{label} is of type {kind}, and is given binary data or the reverse: correct the type")
-    if kind.startswith("Float"):
-        return float(value)
-    if "Int" in kind:
-        if isinstance(value, float):
-            raise AdcsError(f"{label} is of type {kind}, and is given the real number {value!r}: correct the type")
-        items = items_of(port)
-        if items is not None and value not in items.values():
-            raise AdcsError(f"{label} is an enumeration without the value {value}: it has {', '.join(items)}")
-    return value
+    """Return the value of one element as the type of its variable has it; AdcsError if it has none such."""
+    return checked_value(label, replace(port, shape=()), value)[0]
+
+
+def nested(values: Sequence[Any], shape: tuple[int, ...]) -> Any:
+    """Return flat values (row-major) as the lists of lists that Python has for an array, a scalar as itself."""
+    if not shape:
+        return values[0]
+    if not values:
+        return np.empty(shape)  # of which lists would lose the size of all but the first dimension
+    array = np.empty(len(values), dtype=object)
+    array[:] = values
+    return array.reshape(shape).tolist()
+
+
+def _way_out(given: tuple[int, ...], wanted: tuple[int, ...]) -> str:
+    """Say what to do about a value of the wrong shape; nothing if it is not wrong."""
+    if given == wanted:
+        return ""
+    if not given:
+        return ", as it has no Dimension: give it those of the variable"
+    return ", as its Dimensions say: correct them" if wanted else ", as its Dimensions say: leave them out"
 
 
 def _parameter(
@@ -240,14 +283,21 @@ def _parameter(
         values = tuple(texts) if whole is None else (whole,)
         if kind == "Binary":
             values = tuple(bytes.fromhex(value) for value in values)
-    size = 1
-    for dimension in xml.iterfind("{*}Dimension"):
-        if dimension.get("size") is None:
-            raise AdcsError(f"{label} has a dimension without size: give it one")
-        size *= int(dimension.get("size"))
-    if len(values) != size:
-        raise AdcsError(f"{label} has {len(values)} values, its dimensions say {size}")
-    return Parameter(name, kind, values, unit, items, where)
+    shape = _shape(xml, label)
+    if len(values) != prod(shape):
+        what = f"its Dimensions say {sizes(shape)}" if shape else "without a Dimension it has a single one"
+        raise AdcsError(f"{label} has {len(values)} values, {what}: correct them")
+    return Parameter(name, kind, values, shape, unit, items, where)
+
+
+def _shape(xml: etree._Element, label: str) -> tuple[int, ...]:
+    """Return the dimensions of a value, which have to be numbers; a value without any is a scalar."""
+    shape = []
+    for dimension in xml.iterfind(tag("ssc", "Dimension")):
+        if dimension.get("sizeConnector") is not None or dimension.get("size") is None:
+            raise AdcsError(f"{label} has a Dimension without size or with a sizeConnector: give it a size alone")
+        shape.append(int(dimension.get("size")))
+    return tuple(shape)
 
 
 def _mapped(root: etree._Element, parameters: Mapping[str, Parameter], where: str) -> Iterator[Parameter]:

@@ -7,19 +7,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from fmus.errors import AdcsError
 from orchestration.fmu import Port, open_fmu
 from orchestration.seeds import seeds_of
-from orchestration.ssp.archive import STRUCTURE, Home, SspArchive
+from orchestration.ssp.archive import Home, SspArchive
 from orchestration.ssp.documents import tag, version_of, whole_number
 from orchestration.ssp.experiment import read_experiment
 from orchestration.ssp.flat import connect, make_wires
-from orchestration.ssp.parameters import Bindings, fitting
+from orchestration.ssp.parameters import Bindings, nested
 from orchestration.ssp.parts import Part, Place
+from orchestration.ssp.structural import configured, given_to, settled
 from orchestration.ssp.structure import ComponentElement, read_structure
-from orchestration.ssp.wiring import Route, Wiring
+from orchestration.ssp.wiring import Wiring
+from orchestration.ssp_names import STRUCTURE, named_structure
 from orchestration.system import NUMERIC, System
 
 
@@ -36,16 +36,23 @@ class SspFile:
     start_time: float | None
     stop_time: float | None
     step: float | None
+    structure: str = STRUCTURE
+    structures: tuple[str, ...] = (STRUCTURE,)
+    """The `.ssd` file that was read, and all those of which it was one."""
 
 
-def read_ssp(path: str | Path, *, structure: str = STRUCTURE, ignore_unknown_parameters: bool = False) -> SspFile:
+def read_ssp(path: str | Path, *, structure: str | None = None, ignore_unknown_parameters: bool = False) -> SspFile:
     """Read a system from an `.ssp` file (SSP 1.0 or 2.0); nested systems become one flat one, names `sub/component`.
 
-    `structure` chooses one of several `.ssd` files in it. A parameter that nothing in the system has a use for is
-    refused, for it is most likely misspelt, unless `ignore_unknown_parameters`. Raises AdcsError, in one line, for
-    anything that cannot be run as the file says.
+    `structure` chooses one of several `.ssd` files in it, as `theirs.ssp#Variant.ssd` does, too; else it is
+    `SystemStructure.ssd`. A parameter that nothing in the system has a use for is refused, for it is most likely
+    misspelt, unless `ignore_unknown_parameters`. Raises AdcsError, in one line, for anything that cannot be run as the
+    file says.
     """
-    path = Path(path)
+    path, named = named_structure(path)
+    if structure is not None and named is not None and structure != named:
+        raise AdcsError(f"{path.name}#{named}: structure={structure!r} is another one: leave one of them out")
+    structure = structure or named or STRUCTURE
     with SspArchive(path) as archive:
         try:
             return _read(path, archive, structure, refuse_unknown=not ignore_unknown_parameters)
@@ -55,29 +62,37 @@ def read_ssp(path: str | Path, *, structure: str = STRUCTURE, ignore_unknown_par
 
 
 def _read(path: Path, archive: SspArchive, structure: str, *, refuse_unknown: bool) -> SspFile:
-    home = Home(archive, archive.locate(structure, "the system structure"))
+    home = Home(archive, archive.structure(structure))
     document = home.document()
     root = read_structure(home)
-    parts = {part.element.path: part for part in map(_part, root.components())}
+    plain = {part.element.path: part for part in map(_part, root.components())}
+    names = _names(plain)
+    parts = configured(root, plain, names)
     wiring = Wiring(root, parts)
     values = Bindings(parts, wiring.shapes, wiring.relative).read(root, refuse_unknown=refuse_unknown)
-    routes = wiring.routes(values.units)
-    starts, links = _settled(routes, parts, values.given)
+    wiring.check_sizes(values.given)
+    starts, links = settled(wiring.routes(values.units), parts, values.given)
 
     xml = document.find(tag("ssd", "System"))
     system = System(document.get("name"), xml.get("description") or document.get("description") or "")
-    names = _names(parts)
     wires = make_wires(links, parts, names)
     overridden = {(wire.path, wire.port) for wire in wires if wire.whole and not wire.delayed}
     given, connected = _by_component(starts), _by_component(link.target for link in links)
     for key, part in _ordered(parts):
+        late = given_to(part, starts).keys() - part.structural.keys()
+        if late:
+            raise AdcsError(
+                f"{part.element.name}.{min(late)} is a structural parameter and gets its value by connectors that are "
+                "not of kind structuralParameter or constant: correct their kind"
+            )
         start = _start_values(part, starts, given.get(key, []), connected.get(key, []), overridden)
         every = whole_number(part.element.notes.get("every", "1"), f"component {part.element.name}: every", least=1)
         system.add(names[key], part.path, start, every=every)
     for wire in wires:
         connect(system, wire)
     start_time, stop_time, step = read_experiment(document)
-    return SspFile(path, version_of(document, structure), system, start_time, stop_time, step)
+    version = version_of(document, structure)
+    return SspFile(path, version, system, start_time, stop_time, step, structure, archive.structures)
 
 
 def _part(component: ComponentElement) -> Part:
@@ -90,24 +105,6 @@ def _part(component: ComponentElement) -> Part:
         text = str(error).replace(str(file), member)
         raise AdcsError(text if text.startswith("connector ") else f"component {component.name}: {text}") from error
     return part
-
-
-def _settled(
-    routes: Iterable[Route], parts: Mapping[tuple[str, ...], Part], given: Mapping[Place, Any]
-) -> tuple[dict[Place, Any], list[Route]]:
-    """Split the routes: values that come from systems' connectors are start values, the others are connections."""
-    starts = {place: value for place, value in given.items() if place.path in parts}
-    links = []
-    for route in routes:
-        port = parts[route.target.path].fmu.ports[route.target.name]
-        if route.source.path in parts:
-            if port.causality != "input":
-                raise AdcsError(f"{route.label}: a value that is computed goes into {port.causality} {route.target}")
-            links.append(route)
-        elif route.source in given:
-            value = route.transformation.apply(given[route.source])
-            starts[route.target] = fitting(value, port, f"{route.label}: {route.target}")
-    return starts, links
 
 
 def _names(parts: Mapping[tuple[str, ...], Part]) -> dict[tuple[str, ...], str]:
@@ -153,10 +150,10 @@ def _start_values(
     """
     path = part.element.path
     names = dict.fromkeys(place.name for place in given if (path, place.name) not in overridden)
-    for seed in seeds_of(part.fmu.ports.values()):
+    for seed in seeds_of(part.ports):
         names.setdefault(seed.name)
     reached = {(place.name, place.index) for place in connected}
-    for port in part.fmu.ports.values():
+    for port in part.ports:
         open_ = any((port.name, i) not in reached for i in range(port.size))
         if port.causality == "input" and open_ and port.type.startswith(NUMERIC):
             names.setdefault(port.name)
@@ -167,10 +164,10 @@ def _array(part: Part, port: Port, given: Mapping[Place, Any]) -> Any:
     path = part.element.path
     values = [given.get(Place(path, port.name, i)) for i in range(port.size)]
     for i, value in enumerate(values):
-        if value is None:
+        if value is None and port.name in part.clocks:
+            values[i] = False  # it waits for a trigger that nothing gives
+        elif value is None:
             if port.start is None:
                 raise AdcsError(f"{part.element.name}.{port.elements[i]} has no value: bind a parameter to it")
             values[i] = port.start[i]
-    array = np.empty(port.size, dtype=object)
-    array[:] = values
-    return array.reshape(port.shape).tolist() if port.shape else values[0]
+    return nested(values, port.shape)

@@ -8,10 +8,12 @@ from dataclasses import dataclass, field
 from lxml import etree
 
 from fmus.errors import AdcsError
-from orchestration.ssp.archive import STRUCTURE, Home
+from orchestration.ssp.archive import Home
+from orchestration.ssp.clocks import ClockType, clock_type
 from orchestration.ssp.documents import local_name, notes, tag
 from orchestration.ssp.transformation import Items
 from orchestration.ssp.units import named, of_document
+from orchestration.ssp_names import STRUCTURE
 from orchestration.units import Unit
 
 FMU_TYPE = "application/x-fmu-sharedlibrary"
@@ -22,14 +24,26 @@ _MOST = 1000  # references to systems, lest thirty files that each use the next 
 
 @dataclass(frozen=True)
 class Connector:
-    """A connector; `type` is the SSP name, `dimensions` are empty for a scalar and hold None where left open."""
+    """A connector; `type` is the SSP name, `dimensions` are empty where there are none.
+
+    A dimension is a number, the name of the connector that holds it, or None where it is left open. `clock` is there
+    if the connector is a clock; `clocks` are those to which the document says its values belong.
+    """
 
     name: str
     kind: str
     type: str | None
     unit: Unit | None
     items: Items | None
-    dimensions: tuple[int | None, ...]
+    dimensions: tuple[int | str | None, ...]
+    clock: ClockType | None = None
+    clocks: tuple[str, ...] = ()
+
+    @property
+    def shape(self) -> tuple[int, ...] | None:
+        """The dimensions where all of them are numbers, else None."""
+        numbers = tuple(d for d in self.dimensions if isinstance(d, int))
+        return numbers if len(numbers) == len(self.dimensions) else None
 
 
 @dataclass(frozen=True)
@@ -222,7 +236,7 @@ def _common(
 ) -> tuple[dict[str, Connector], list[Binding]]:
     connectors: dict[str, Connector] = {}
     for child in _children(xml, "Connectors"):
-        connector = _connector(child, context)
+        connector = _connector(child, path, context)
         if connector.name in connectors:
             raise AdcsError(f"two connectors have the name {_dotted(path, connector.name)}: rename one of them")
         connectors[connector.name] = connector
@@ -232,7 +246,7 @@ def _common(
     ]
 
 
-def _connector(xml: etree._Element, context: _Context) -> Connector:
+def _connector(xml: etree._Element, path: tuple[str, ...], context: _Context) -> Connector:
     name = xml.get("name")
     found = next((c for c in xml if etree.QName(c).namespace == etree.QName(tag("ssc", "x")).namespace), None)
     kind = None if found is None or local_name(found) in ("Dimension", "Annotations") else local_name(found)
@@ -241,11 +255,18 @@ def _connector(xml: etree._Element, context: _Context) -> Connector:
         unit = named(context.units, found.get("unit"))
     elif found is not None and kind == "Enumeration":
         items = context.enumerations.get(found.get("name"))  # if not defined here, the FMUs know
-    dimensions = []
-    for dimension in xml.iterfind("{*}Dimension"):
-        size = dimension.get("size")
-        dimensions.append(None if size is None else int(size))
-    return Connector(name, xml.get("kind"), kind, unit, items, tuple(dimensions))
+    clock = clock_type(found, f"connector {_dotted(path, name)}") if found is not None and kind == "Clock" else None
+    dimensions: list[int | str | None] = []
+    for dimension in xml.iterfind(tag("ssc", "Dimension")):
+        size, holder = dimension.get("size"), dimension.get("sizeConnector")
+        if size is not None and holder is not None:
+            raise AdcsError(
+                f"connector {_dotted(path, name)} has a Dimension with size {size} and sizeConnector {holder!r}: "
+                "drop one of them"
+            )
+        dimensions.append(holder if size is None else int(size))
+    clocks = tuple(clock.get("name") for clock in xml.iterfind(tag("ssd", "Clock")))
+    return Connector(name, xml.get("kind"), kind, unit, items, tuple(dimensions), clock, clocks)
 
 
 def _end(xml: etree._Element, which: str) -> LinkEnd:

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import prod
+from typing import Any
 
 from fmus.errors import AdcsError
-from orchestration.ssp.parts import Part, Place, hint, items_of, sizes
+from orchestration.ssp.clocks import ClockType, connection_holds, of_fmu
+from orchestration.ssp.parts import Part, Place, items_of
 from orchestration.ssp.structure import Connector, Element, Link, LinkEnd, SystemElement
 from orchestration.ssp.transformation import Items, Transformation, transformation_in
 from orchestration.ssp.units import scale
+from orchestration.ssp.wording import has, hint, sizes
 from orchestration.units import Unit
 
 _GIVING = ("output", "calculatedParameter", "constant", "local")
@@ -47,15 +50,21 @@ class Route:
 class Wiring:
     """The connections of all systems, element by element."""
 
-    def __init__(self, root: SystemElement, parts: Mapping[tuple[str, ...], Part]) -> None:
+    def __init__(self, root: SystemElement, parts: Mapping[tuple[str, ...], Part], *, structural: bool = False) -> None:
+        """With `structural` only connections that give values to structural parameters are looked at."""
         self.root = root
         self.parts = parts
         self.systems = {system.path: system for system in root.systems()}
+        self.links = [
+            (system, link)
+            for system in self.systems.values()
+            for link in system.links
+            if not structural or self._structural(system, link)
+        ]
         self.shapes = self._shapes()
         self.feeds: dict[Place, Feed] = {}
-        for system in self.systems.values():
-            for link in system.links:
-                self._add(system, link)
+        for system, link in self.links:
+            self._add(system, link)
         self.relative = self._relative()
         """The places of systems' connectors through which differences pass (relativeQuantity)."""
 
@@ -89,30 +98,75 @@ class Wiring:
         shapes: dict[tuple[tuple[str, ...], str], tuple[int, ...]] = {}
         for system in self.systems.values():
             for connector in system.connectors.values():
-                if None not in connector.dimensions:
-                    shapes[system.path, connector.name] = tuple(d for d in connector.dimensions if d is not None)
+                if connector.shape is not None:
+                    shapes[system.path, connector.name] = connector.shape
         for path, part in self.parts.items():
             for name in part.element.connectors:
-                port, _ = part.variables[name]
-                shapes[path, name] = port.shape if part.fmu.major_version == 3 else ()
+                shapes[path, name] = part.shape(name)
         changed = True
         while changed:
             changed = False
-            for system in self.systems.values():
-                for link in system.links:
-                    if link.ends[0].indices or link.ends[1].indices:
-                        continue
-                    label = _label(system, link)
-                    keys = [(path, c.name) for path, c in (self.connector(system, end, label) for end in link.ends)]
-                    for here, there in (keys, keys[::-1]):
-                        if here in shapes and there not in shapes:
-                            shapes[there] = shapes[here]
-                            changed = True
+            for system, link in self.links:
+                if link.ends[0].indices or link.ends[1].indices:
+                    continue
+                label = _label(system, link)
+                keys = [(path, c.name) for path, c in (self.connector(system, end, label) for end in link.ends)]
+                for here, there in (keys, keys[::-1]):
+                    if here in shapes and there not in shapes:
+                        shapes[there] = shapes[here]
+                        changed = True
         return shapes
+
+    def check_sizes(self, given: Mapping[Place, Any]) -> None:
+        """Check that systems' connectors have the sizes that other connectors of theirs are given by these values."""
+        for path, system in self.systems.items():
+            for connector in system.connectors.values():
+                where = f"connector {Place(path, connector.name, 0)}"
+                said = [self._said(system, d, given, where) if isinstance(d, str) else d for d in connector.dimensions]
+                shape = self.shapes.get((path, connector.name), tuple(said))
+                if len(said) != len(shape) or any(d not in (None, n) for d, n in zip(said, shape, strict=True)):
+                    raise AdcsError(
+                        f"{where} has the dimensions {sizes(said)}, what it is connected to {has(shape)}: correct them"
+                    )
+
+    def _said(self, system: SystemElement, name: str, given: Mapping[Place, Any], where: str) -> int | None:
+        """Return the size that a connector of a system has been given, None if it is not known here."""
+        if name not in system.connectors:
+            raise AdcsError(
+                f"{where} takes its size from the connector {name!r}, which its system does not have"
+                f"{hint(name, system.connectors)}: correct its sizeConnector"
+            )
+        place = Place(system.path, name, 0)
+        way = self._follow(place)
+        value: int | None = given.get(way[0].source if way else place)
+        return value
+
+    def _structural(self, system: SystemElement, link: Link) -> bool:
+        """Whether a connection is one that only structural parameters and constants have."""
+        label = _label(system, link)
+        kinds = [self._kind(*self.connector(system, end, label)) for end in link.ends]
+        return "structuralParameter" in kinds and set(kinds) <= {"structuralParameter", "constant"}
+
+    def _kind(self, path: tuple[str, ...], connector: Connector) -> str:
+        """Return the kind of a connector as the FMU has it, where it is one of a component."""
+        if path not in self.parts:
+            return connector.kind
+        port, _ = self.parts[path].variables[connector.name]
+        return "constant" if port.variability == "constant" else port.causality
+
+    def _clock(self, path: tuple[str, ...], connector: Connector) -> ClockType | None:
+        if path not in self.parts:
+            return connector.clock
+        part = self.parts[path]
+        clock = part.clocks.get(part.variables[connector.name][0].name)
+        return None if clock is None else of_fmu(clock)
 
     def _add(self, system: SystemElement, link: Link) -> None:
         label = _label(system, link)
         ends = [self.connector(system, end, label) for end in link.ends]
+        names = [str(Place(path, connector.name, 0)) for path, connector in ends]
+        if connection_holds([self._clock(*end) for end in ends], names, label):
+            return
         gives = [self._gives(system, end, owner, label) for end, owner in zip(link.ends, ends, strict=True)]
         if gives[0] == gives[1]:
             kinds = f"{ends[0][1].kind} and {ends[1][1].kind}"
@@ -151,15 +205,15 @@ class Wiring:
         shape = self.shapes[path, connector.name]
         if path in self.parts:
             port, elements = self.parts[path].variables[connector.name]
-            places = [Place(path, port.name, i) for i in elements]
+            places = [Place(path, port.name, i) for i in elements or (0,)]  # lest a connection of size 0 be lost
         else:
             if prod(shape) > _LARGEST:
                 raise AdcsError(f"{label}: {end} has {prod(shape)} elements, more than {_LARGEST}: refused")
-            places = [Place(path, connector.name, i) for i in range(prod(shape))]
+            places = [Place(path, connector.name, i) for i in range(prod(shape) or 1)]
         if not end.indices:
             return places
         if len(end.indices) != len(shape) or not all(1 <= i <= n for i, n in zip(end.indices, shape, strict=True)):
-            raise AdcsError(f"{label}: {end} does not exist, {end.connector} has {sizes(shape)}, counted from 1")
+            raise AdcsError(f"{label}: {end} does not exist, {end.connector} {has(shape)}, counted from 1")
         flat = 0
         for i, n in zip(end.indices, shape, strict=True):
             flat = flat * n + i - 1

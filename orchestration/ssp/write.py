@@ -14,13 +14,14 @@ from lxml import etree
 from fmus.errors import AdcsError
 from fmus.xml import serialised
 from orchestration.fmu import FmiVersion, Fmu, Port
-from orchestration.ssp.archive import STRUCTURE, packed, write_whole
+from orchestration.ssp.archive import packed, write_whole
 from orchestration.ssp.building import add, add_texts, annotate, annotations_of, root_element, set_attribute, text
 from orchestration.ssp.definitions import UsedEnumerations, UsedUnits
 from orchestration.ssp.documents import OMS, OMS_ANNOTATION, check, tag
 from orchestration.ssp.layout import arrange
 from orchestration.ssp.schemas import Version
 from orchestration.ssp.tree import Box, Pin, Wire, make_tree
+from orchestration.ssp_names import STRUCTURE
 from orchestration.system import Component, System
 
 _FMI2_TYPES = {"Float64": "Real", "Int32": "Integer"}
@@ -151,7 +152,8 @@ class _Writer:
         element = add(parent, "ssd", "Connector", name=pin.name, kind=pin.kind)
         kind, name = self._type(pin.fmu, pin.port)
         unit = self.units.use(pin.fmu, pin.port, "ssd") if kind in ("Real", "Float64", "Float32") else None
-        add(element, "ssc", kind, unit=unit, name=name)
+        clock = next((clock.kind for clock in pin.fmu.clocks if clock.reference == pin.port.references[0]), None)
+        add(element, "ssc", kind, unit=unit, name=name, intervalVariability=clock)
         for n in pin.shape:
             add(element, "ssc", "Dimension", size=n)
         add(element, "ssd", "ConnectorGeometry", x=place[0], y=place[1])
@@ -213,8 +215,13 @@ class _Writer:
         parameters = add(root, "ssv", "Parameters")
         self.units.reset("ssv")
         enumerations = UsedEnumerations()
-        for name, values in component.start.items():
+        clocks = {clock.reference for clock in fmu.clocks}
+        # those that give others their sizes first, as a system that is read has them
+        start = sorted(component.start.items(), key=lambda item: fmu.ports[item[0]].causality != "structuralParameter")
+        for name, values in start:
             port = fmu.ports[name]
+            if port.references[0] in clocks:
+                continue  # a clock has no value; this one never ticks, as it is not connected
             names = port.elements if fmu.major_version == 2 else [port.name]
             groups = [(v,) for v in values] if fmu.major_version == 2 else [values]
             for element, group in zip(names, groups, strict=True):
@@ -248,8 +255,7 @@ class _Writer:
         """Return the SSP type of a variable and the name of its enumeration."""
         if port.items:
             return "Enumeration", self.enumerations.use(fmu, port)
-        clocks = {v.name for v in fmu.model.modelVariables if v.type == "Clock"}
-        if port.name in clocks:
+        if port.references[0] in {clock.reference for clock in fmu.clocks}:
             return "Clock", None
         return (_FMI2_TYPES.get(port.type, port.type) if fmu.major_version == 2 else port.type), None
 

@@ -89,7 +89,7 @@ def test_integers_beyond_those_of_doubles_can_be_given_but_not_recorded(foreign)
         ),
         ("blob", "base64:?", "c.blob = 'base64:?' is neither hexadecimal digits, two for a byte, nor base64:... with "),
         ("blob", 5, "c.blob = 5: expected bytes, or a text in hexadecimal digits or as base64:..."),
-        ("blob", ["00", "01"], "c.blob: expected 1 values, got 2"),
+        ("blob", ["00", "01"], "c.blob: expected a single value, got 2 values"),
         ("words", ["one"], "c.words: expected 2 values, got 1 values"),
     ],
 )

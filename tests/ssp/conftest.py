@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import sys
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -8,6 +9,9 @@ import pytest
 from packages import make_fmu, receiver, sender
 
 from orchestration.ssp import archive
+
+sys.path.append(str(Path(__file__).parents[1] / "orchestration"))  # whose mocks are used
+import foreign_fmus
 
 Package = Callable[..., Path]
 
@@ -41,19 +45,29 @@ def own_cache(common_cache: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     return tmp_path / "cache"
 
 
+@pytest.fixture(scope="session")
+def foreign(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """foreign("sizes") -> path of an FMU of FMI 3.0 that runs."""
+    folder = tmp_path_factory.mktemp("foreign")
+    return lambda model, **settings: foreign_fmus.build(model, folder, "3.0", **settings)
+
+
 @pytest.fixture
 def package(tmp_path: Path, fmus: dict[str, Path]) -> Package:
-    """package(ssd, {"resources/a.fmu": "sender"}, {"resources/x.ssv": text}) -> path of an `.ssp`."""
+    """package(ssd, {"resources/a.fmu": "sender"}, {"resources/x.ssv": text}) -> path of an `.ssp`.
+
+    The FMUs are those of `fmus`, or paths of others.
+    """
 
     def make(
-        ssd: str | bytes | None, parts: dict[str, str] | None = None, files: dict[str, str | bytes] | None = None
+        ssd: str | bytes | None, parts: dict[str, str | Path] | None = None, files: dict[str, str | bytes] | None = None
     ) -> Path:
         path = tmp_path / "test.ssp"
         with zipfile.ZipFile(path, "w") as zipped:
             if ssd is not None:
                 zipped.writestr("SystemStructure.ssd", ssd)
             for member, name in (parts or {"resources/a.fmu": "sender", "resources/b.fmu": "receiver"}).items():
-                zipped.writestr(member, fmus[name].read_bytes())
+                zipped.writestr(member, fmus.get(str(name), Path(name)).read_bytes())
             for member, content in (files or {}).items():
                 zipped.writestr(member, content)
         return path

@@ -28,11 +28,13 @@ class Variable:
     name: str
     causality: str
     type: str = "Float64"
-    shape: tuple[int, ...] = ()
+    shape: tuple[int | str, ...] = ()  # the name of a structural parameter where FMI 3.0 takes the size from one
     unit: str | None = None
     start: str | None = None  # one value for all elements
     items: tuple[tuple[str, int], ...] = ()
     aliases: tuple[str, ...] = ()
+    interval: str | None = None  # of a clock, as it stands in the file: '"constant" intervalDecimal="0.25"'
+    clock: str | None = None  # of a clocked variable
 
 
 def sender() -> list[Variable]:
@@ -93,7 +95,10 @@ def ssd(inside: str, *, version: str = "1.0", more: str = "", units: str | None 
 
 
 def component(name: str, connectors: str = "", more: str = "", source: str | None = None) -> str:
-    """`connectors` as `input u Real m; output y`: kind, name, and if wanted type and unit."""
+    """`connectors` as `input u Real m; output y`: kind, name, and if wanted type, unit, dimensions.
+
+    These are `[2,3]`, where `?` is one left open and `=n` the size that the connector n has.
+    """
     source = source or f"resources/{name}.fmu"
     return f'<ssd:Component name="{name}" source="{source}">{pins(connectors)}{more}</ssd:Component>'
 
@@ -109,10 +114,16 @@ def pins(connectors: str) -> str:
         attribute = "name" if type_[:1] == ["Enumeration"] else "unit"
         unit = f" {attribute}={quoteattr(type_[1])}" if len(type_) > 1 and not type_[1].startswith("[") else ""
         sizes = type_[-1].strip("[]").split(",") if type_ and type_[-1].startswith("[") else []
-        dimensions = "".join(f'<ssc:Dimension size="{n}"/>' if n != "?" else "<ssc:Dimension/>" for n in sizes)
+        dimensions = "".join(map(_dimension, sizes))
         inner = f"<ssc:{type_[0]}{unit}/>{dimensions}" if type_ else ""
         found.append(f'<ssd:Connector name={quoteattr(name)} kind="{kind}">{inner}</ssd:Connector>')
     return f"<ssd:Connectors>{''.join(found)}</ssd:Connectors>" if found else ""
+
+
+def _dimension(size: str) -> str:
+    if size == "?":
+        return "<ssc:Dimension/>"
+    return f'<ssc:Dimension sizeConnector="{size[1:]}"/>' if size.startswith("=") else f'<ssc:Dimension size="{size}"/>'
 
 
 def elements(*inside: str) -> str:
@@ -179,12 +190,16 @@ def note(name: str, attributes: str) -> str:
 def _elements(variable: Variable) -> list[str]:
     if not variable.shape:
         return [variable.name]
-    return [f"{variable.name}[{','.join(map(str, i))}]" for i in product(*(range(1, n + 1) for n in variable.shape))]
+    return [
+        f"{variable.name}[{','.join(map(str, i))}]" for i in product(*(range(1, int(n) + 1) for n in variable.shape))
+    ]
 
 
 def _attributes(variable: Variable, initial_for_output: str) -> str:
     causality = "local" if variable.causality == "constant" else variable.causality
-    variability = {"parameter": "fixed", "constant": "constant"}.get(variable.causality, "discrete")
+    variability = {"parameter": "fixed", "structuralParameter": "fixed", "constant": "constant"}.get(
+        variable.causality, "discrete"
+    )
     if variable.type in ("Float64", "Real") and variability == "discrete":
         variability = "continuous"
     initial = f' initial="{initial_for_output}"' if causality == "output" else ""
@@ -225,19 +240,30 @@ def _fmi2(name: str, variables: list[Variable]) -> str:
 
 
 def _fmi3(name: str, variables: list[Variable]) -> str:
-    lines, outputs = ['<Float64 name="time" valueReference="0" causality="independent"/>'], []
+    lines, outputs, initial = ['<Float64 name="time" valueReference="0" causality="independent"/>'], [], []
+    texts = ("String", "Binary")
+    places = {variable.name: number for number, variable in enumerate(variables, 1)}
     for number, variable in enumerate(variables, 1):
         type_ = f' declaredType="{variable.name}Type"' if variable.items else ""
         unit = f" unit={quoteattr(variable.unit)}" if variable.unit else ""
-        start = "" if variable.start is None or variable.type == "String" else f" start={quoteattr(variable.start)}"
-        inner = "".join(f'<Dimension start="{n}"/>' for n in variable.shape)
+        start = "" if variable.start is None or variable.type in texts else f" start={quoteattr(variable.start)}"
+        clock = "" if variable.clock is None else f' clocks="{places[variable.clock]}"'
+        attributes = _attributes(variable, "calculated")
+        if variable.interval is not None:
+            attributes = f'causality="{variable.causality}" intervalVariability={variable.interval}'
+        inner = "".join(
+            f'<Dimension valueReference="{places[n]}"/>' if isinstance(n, str) else f'<Dimension start="{n}"/>'
+            for n in variable.shape
+        )
         inner += "".join(f'<Alias name="{name}"/>' for name in variable.aliases)
-        inner += f"<Start value={quoteattr(variable.start or '')}/>" if variable.type == "String" else ""
+        inner += f"<Start value={quoteattr(variable.start or '')}/>" if variable.type in texts else ""
         if variable.causality == "output":
             outputs.append(f'valueReference="{number}"')
+        if variable.causality == "output" and variable.interval is None and variable.clock is None:
+            initial.append(f'valueReference="{number}"')
         lines.append(
-            f'<{variable.type} name="{variable.name}" valueReference="{number}" {_attributes(variable, "calculated")}'
-            f"{type_}{unit}{start}>{inner}</{variable.type}>"
+            f'<{variable.type} name="{variable.name}" valueReference="{number}" {attributes}'
+            f"{clock}{type_}{unit}{start}>{inner}</{variable.type}>"
         )
     units = "".join(f"<Unit name={quoteattr(n)}><BaseUnit {b}/></Unit>" for n, b in UNITS.items())
     types = "".join(
@@ -247,7 +273,7 @@ def _fmi3(name: str, variables: list[Variable]) -> str:
         for v in variables
         if v.items
     )
-    structure = "".join(f"<Output {o}/>" for o in outputs) + "".join(f"<InitialUnknown {o}/>" for o in outputs)
+    structure = "".join(f"<Output {o}/>" for o in outputs) + "".join(f"<InitialUnknown {o}/>" for o in initial)
     return (
         f'<?xml version="1.0" encoding="UTF-8"?>\n<fmiModelDescription fmiVersion="3.0" modelName="{name}" '
         f'instantiationToken="{{x}}"><CoSimulation modelIdentifier="{name}"/>'

@@ -180,20 +180,20 @@ STRUCTURES = {
     ),
     "type of a parameter": (
         bound(parameters({"k": 'Boolean value="true"'})),
-        "b.k is of type Float64, and is given True",
+        "parameter binding 1 of b: parameter 'k': b.k = True: expected a number",
     ),
     "real for integer": (
         bound(parameters({"seed": 'Real value="1.5"'})),
-        "b.seed is of type Int32, and is given the real number 1.5",
+        "parameter 'seed': b.seed = 1.5: expected an integer",
     ),
-    "text for real": (bound(parameters({"k": 'String value="1"'})), "b.k is of type Float64, and is given '1'"),
+    "text for real": (bound(parameters({"k": 'String value="1"'})), "b.k = '1': expected a number"),
     "unknown item": (
         bound(parameters({"tint": 'Enumeration value="pink"'})),
         "is the item 'pink', the enumeration has red, green, blue",
     ),
     "value that is no item": (
         bound(parameters({"tint": 'Integer value="3"'})),
-        "is an enumeration without the value 3",
+        "b.tint = 3 is no item of this enumeration: use 'red' or 1, 'green' or 2, 'blue' or 7",
     ),
     "item for real": (
         bound(parameters({"k": 'Enumeration value="x"'})),
@@ -206,7 +206,7 @@ STRUCTURES = {
         "has two parameters 'k'",
     ),
     "no file of parameters": (bound('source="resources/x.ssv">'), "the file of parameter binding 1 of b is missing"),
-    "no parameters": (bound(">"), "parameter binding 1 of b has neither a source nor one ssv document inside"),
+    "no parameters": (bound(">"), "parameter binding 1 of b has neither a source nor one ParameterSet inside"),
     "type of binding": (bound('type="text/csv" source="x.csv">'), "parameter binding 1 of b has the type 'text/csv'"),
     "parameters in a component": (
         bound('sourceBase="component" source="x.ssv">'),
@@ -240,7 +240,10 @@ ARRAYS = {
     "sizes": (elements(V, W) + connections("a.M -> b.w"), "connection a.M -> b.w: sizes differ, 2 x 2 and 3"),
     "index": (elements(V, W) + connections('a.v -> b.u | startIndices="4"'), "a.v[4] does not exist, v has 3"),
     "indices": (elements(V, W) + connections('a.v -> b.u | startIndices="1 1"'), "a.v[1,1] does not exist"),
-    "dimensions": (elements(component("b", "input w Float64 [4]")), "b.w has the dimensions 4, the FMU's variable 3"),
+    "dimensions": (
+        elements(component("b", "input w Float64 [4]")),
+        "b.w has the dimensions 4, the FMU's variable has 3",
+    ),
     "element twice": (
         elements(V, W) + connections("a.v -> b.w", 'a.v -> b.w | startIndices="1" endIndices="2"'),
         "b.w has another source already",
@@ -251,11 +254,11 @@ ARRAYS = {
     ),
     "values": (
         elements(component("b", "", bindings(parameters({"J": 'Float64 value="1 2"'}, version="2.0")))),
-        "parameter 'J' has 2 values, its dimensions say 1",
+        "parameter 'J' has 2 values, without a Dimension it has a single one: correct them",
     ),
     "values and variable": (
         elements(component("b", "", bindings(parameters({"J": 'Float64 value="1"'}, version="2.0")))),
-        "parameter 'J' has 1 values, b.J takes 4",
+        "parameter 'J': b.J: expected 2 x 2 values, got a single value, as it has no Dimension: give it those of the",
     ),
     "scheduled": (
         elements(component("b").replace("<ssd:Component ", '<ssd:Component implementation="ScheduledExecution" ')),
@@ -337,7 +340,7 @@ class TestArchives:
 
     def test_other_structure(self, package):
         message = refusal(package(ssd(GOOD)), structure="x.ssd")
-        assert "the system structure is missing: the archive has no file 'x.ssd'" in message
+        assert "it has no system structure 'x.ssd': choose one of SystemStructure.ssd" in message
 
     @pytest.mark.parametrize("name", ["../evil", "/evil", "a/../../evil", "C:/evil", "a\\evil"])
     def test_paths_that_lead_outside(self, package, name):

@@ -15,7 +15,7 @@ from fmus.errors import AdcsError
 from orchestration.fmu import FmiVersion, Fmu, Port, locate, open_fmu
 from orchestration.nodes import Place
 from orchestration.seeds import default_seed, seeds_of
-from orchestration.typed_values import binary_values, item_numbers
+from orchestration.typed_values import binary_values, item_numbers, size_text
 from orchestration.units import Scale, conversion
 
 Value = Any
@@ -106,7 +106,7 @@ class Ends:
         port = fmu.ports[base]
         element = f"{base}[{index.replace(' ', '')}"
         if element not in port.elements:
-            raise AdcsError(f"{name} does not exist: {component}.{base} has {_size(port.shape)}, counted from 1")
+            raise AdcsError(f"{name} does not exist: {component}.{base} has {size_text(port.shape)}, counted from 1")
         return End(component, port, (port.elements.index(element),), ())
 
 
@@ -183,8 +183,8 @@ class System:
             default = old.ports[variable].start
             if values != default and (default is not None or any(values)):
                 raise AdcsError(
-                    f"{reason}: {name}.{variable} was given {_size(old.ports[variable].shape)} and has "
-                    f"{_size(new.ports[variable].shape)} then: set {parameter.name} first"
+                    f"{reason}: {name}.{variable} was given {size_text(old.ports[variable].shape)} and has "
+                    f"{size_text(new.ports[variable].shape)} then: set {parameter.name} first"
                 )
             follows = new.ports[variable].start
             if default is None:
@@ -198,7 +198,7 @@ class System:
                 if end.component == name and new.ports[end.port.name].shape != end.port.shape:
                     raise AdcsError(
                         f"{reason}: {name}.{end.port.name} is connected ({connection.source} to {connection.target}) "
-                        f"and has {_size(new.ports[end.port.name].shape)} then: set {parameter.name} before"
+                        f"and has {size_text(new.ports[end.port.name].shape)} then: set {parameter.name} before"
                     )
         component.start, component.fmu = start, new
 
@@ -230,7 +230,7 @@ class System:
             if not end.port.type.startswith(NUMERIC):
                 raise AdcsError(f"{link}{name} is of type {end.port.type}, only numbers and Booleans can be connected")
         if output.shape != input_.shape:
-            raise AdcsError(f"{link}sizes differ, {_size(output.shape)} and {_size(input_.shape)}")
+            raise AdcsError(f"{link}sizes differ, {size_text(output.shape)} and {size_text(input_.shape)}")
         given = factor is not None or offset is not None
         pairs = _pairs(link, input_.port, mapping or ())
         if pairs and given:
@@ -470,9 +470,9 @@ def checked_value(name: str, port: Port, value: Value) -> tuple[Any, ...]:
         if array.dtype == object:
             raise ValueError
     except ValueError:
-        raise AdcsError(f"{name} = {value!r}: expected {_size(port.shape)}") from None
+        raise AdcsError(f"{name} = {value!r}: expected {size_text(port.shape)}") from None
     if array.shape != port.shape:
-        raise AdcsError(f"{name}: expected {_size(port.shape)}, got {_size(array.shape)}")
+        raise AdcsError(f"{name}: expected {size_text(port.shape)}, got {size_text(array.shape)}")
     flat = array.ravel()
     if port.type.startswith("Float"):
         if array.dtype.kind not in "fiu":
@@ -497,10 +497,6 @@ def checked_value(name: str, port: Port, value: Value) -> tuple[Any, ...]:
             raise AdcsError(f"{name} = {value!r} is outside the range of {port.type}")
         return integers
     raise AdcsError(f"{name} is of type {port.type}: setting these is not supported")
-
-
-def _size(shape: tuple[int, ...]) -> str:
-    return f"{' x '.join(map(str, shape))} values" if shape else "a single value"
 
 
 def _hint(name: str, known: Iterable[str]) -> str:

@@ -51,17 +51,16 @@ class Part:
     def variables(self) -> dict[str, tuple[Port, tuple[int, ...]]]:
         """Which elements of which port a variable of the FMU is: FMI 2 names the elements, FMI 3 the arrays.
 
-        Of several names for what can be given a value (one value reference) all lead to the first.
+        Of several names for what can be given a value all lead to the one under which the system keeps it.
         """
-        first: dict[tuple[str, str, int], tuple[Port, int]] = {}
         found: dict[str, tuple[Port, tuple[int, ...]]] = {}
         for port in self.fmu.ports.values():
             each = self.fmu.major_version == 2
             for i, name in enumerate(port.elements if each else [port.name]):
-                main, element = port, i
+                main, elements = port, [i] if each else range(port.size)
                 if port.settable:
-                    main, element = first.setdefault((port.type, port.causality, port.references[i]), (port, i))
-                found[name] = (main, (element,) if each else tuple(range(main.size)))
+                    main, elements = self.fmu.nodes[self.fmu.nodes.place(port, i)[0]]
+                found[name] = (main, tuple(elements))
         return found
 
     @cached_property

@@ -6,7 +6,7 @@ import pytest
 from packages import Variable, bindings, component, connections, elements, make_fmu, parameters, ssd
 
 from fmus.errors import AdcsError
-from orchestration.ssp import read_ssp
+from orchestration.ssp import read_ssp, write_ssp
 
 
 @pytest.fixture
@@ -66,3 +66,15 @@ def test_two_sources_by_two_names_are_two_sources(read):
 def test_the_unit_of_a_connector_counts_by_every_name(read):
     with pytest.raises(AdcsError, match=r"connector b\.uu has the unit 's', the FMU's variable 'm': correct it"):
         read(elements(component("b", "input uu Float64 s")))
+
+
+def test_no_name_is_left_unconnected(read):
+    found = read(elements(component("a", "output yy"), component("b", "input uu")) + connections("a.yy -> b.uu"))
+    assert found.components["b"].start == {}
+    found.check()
+
+
+def test_written_and_read_again(read, tmp_path):
+    found = read(elements(component("a", "output yy"), component("b", "input uu")) + connections("a.yy -> b.uu"))
+    write_ssp(found, tmp_path / "one.ssp")
+    assert read_ssp(tmp_path / "one.ssp").system.connections == found.connections

@@ -250,3 +250,24 @@ class TestWriting:
         assert list(file.system.components["a"].start) == ["n", "u"]
         write_ssp(file.system, tmp_path / "two.ssp")
         assert (tmp_path / "two.ssp").read_bytes() == (tmp_path / "one.ssp").read_bytes()
+
+    def test_arrays_of_size_0(self, foreign, tmp_path):
+        made = System("nothing")
+        for name in ("a", "b"):
+            made.add(name, foreign("square"), {"rows": 0, "columns": 0})
+        made.connect("a.y", "b.u")
+        write_ssp(made, tmp_path / "one.ssp", step=1.0)
+        file = read_ssp(tmp_path / "one.ssp")
+        assert file.system.connections == made.connections
+        assert {n: c.start for n, c in file.system.components.items()} == {
+            name: {"rows": (0,), "columns": (0,)} for name in ("a", "b")
+        }
+        write_ssp(file.system, tmp_path / "two.ssp", step=1.0)
+        assert (tmp_path / "two.ssp").read_bytes() == (tmp_path / "one.ssp").read_bytes()
+
+    def test_structural_parameters_of_every_type(self, foreign, tmp_path):
+        made = System("types")
+        values = {"rows": 3, "columns": 3, "margin": 0.5, "deep": False, "level": -2, "label": "zz"}
+        made.add("a", foreign("square"), {**values, "u": [[1.0] * 3] * 3})
+        write_ssp(made, tmp_path / "one.ssp")
+        assert read_ssp(tmp_path / "one.ssp").system.components["a"].start == made.components["a"].start

@@ -169,7 +169,10 @@ MODELS: dict[str, Model] = {
         },
     ),
     "picky": Model(
-        [parameter("longest", 0.03), parameter("stop", 100.0), input_("u", 1.0), counted("steps"), Variable("x")],
+        [
+            *(parameter("longest", 0.03), parameter("stop", 100.0), parameter("unsavable", 0.0)),
+            *(input_("u", 1.0), counted("steps"), Variable("x")),
+        ],
         attributes=VARIABLE_STEP,
         fmi2={"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true"},
         fmi3={"canGetAndSetFMUState": "true", "canSerializeFMUState": "true"},

@@ -94,7 +94,7 @@ def test_inputs_come_from_a_table(fed, tmp_path, version, stepping):
         ("time,gain.u[1]\n0\n", "line 2: 1 values, the first line has 2 names"),
         ("time,gain.u[1]\n0,one\n", "line 2: 'one' is not a number"),
         ("time,gain.u[1]\n0,1\n0,2\n", "inputs: times must be finite and increasing"),
-        ("time,gain.u[1]\n0,nan\n", "inputs: gain.u[1] has values that are not finite"),
+        ("time,gain.u[1]\n0,nan\n", "inputs: gain.u[1] = nan at 0 s is not finite"),
         ("time,gain.u[1]\n", "inputs: times must be finite and increasing, and there must be at least one"),
         ("time,gain.u[1],gain.u[2]\n0,1,2\n", "input gain.u[3] is not connected"),
     ],

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+Floats = NDArray[np.float64]
+
 EXACT = 2**53
 """Above, a double does not hold every integer, and one that is there may have been another."""
 
@@ -27,28 +29,33 @@ def first_misfit(type_: str, values: NDArray[Any] | Iterable[Any]) -> tuple[int,
     The reason is to be put behind the number. Integers are judged as they are; a floating-point number beyond 2^53 may
     have been another integer, and is refused for a type of integers.
     """
-    array = np.asarray(values)
-    whole = not type_.startswith("Float")
-    if array.dtype.kind == "f":
-        size = np.abs(array)
-        rules = [(~np.isfinite(array), " is not finite")]
-        if type_ == "Float32":
-            rules.append((size >= _FLOAT32_END, _outside(type_)))
-        elif whole:
-            low, high = RANGES[type_]
-            rules.append((array != np.trunc(array), ": expected an integer"))
-            rules.append(((array < low) | (array > high), _outside(type_)))
-            rules.append((size > EXACT, BEYOND))
-        wrong = np.flatnonzero(np.logical_or.reduce([found for found, _ in rules]))
-        if not len(wrong):
-            return None
-        first = int(wrong[0])
-        return first, next(why for found, why in rules if found.flat[first])
-    if not whole:  # Float32 holds every integer that numpy has, rounded
-        return None
+    if type_.startswith("Float") or (isinstance(values, np.ndarray) and values.dtype.kind == "f"):
+        return _first_wrong(type_, np.asarray(values, float))
     low, high = RANGES[type_]
-    found = (i for i, value in enumerate(array.ravel().tolist()) if not low <= value <= high)
-    return next(((i, _outside(type_)) for i in found), None)
+    for i, value in enumerate(np.asarray(values, object).ravel().tolist()):  # numpy makes doubles of mixed integers
+        if isinstance(value, float):
+            if (misfit := _first_wrong(type_, np.array([value]))) is not None:
+                return i, misfit[1]
+        elif not low <= value <= high:
+            return i, _outside(type_)
+    return None
+
+
+def _first_wrong(type_: str, values: Floats) -> tuple[int, str] | None:
+    size = np.abs(values)
+    rules = [(~np.isfinite(values), " is not finite")]
+    if type_ == "Float32":
+        rules.append((size >= _FLOAT32_END, _outside(type_)))
+    elif type_ in RANGES:
+        low, high = RANGES[type_]
+        rules.append((values != np.trunc(values), ": expected an integer"))
+        rules.append(((values < low) | (values > high), _outside(type_)))
+        rules.append((size > EXACT, BEYOND))
+    wrong = np.flatnonzero(np.logical_or.reduce([found for found, _ in rules]))
+    if not len(wrong):
+        return None
+    first = int(wrong[0])
+    return first, next(why for found, why in rules if found.flat[first])
 
 
 def first_beyond(values: Iterable[Any]) -> int | None:

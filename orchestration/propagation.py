@@ -15,6 +15,9 @@ from orchestration.instance import CallFailed, Instance
 from orchestration.number_types import BEYOND, EXACT, first_beyond, first_misfit
 from orchestration.plan import Call, Delay, Floats, Plan
 
+_MOST = 2.0**70
+"""Of a factor or offset between integers; larger ones let nothing arrive that fits. The compiled loop has it, too."""
+
 
 @dataclass(frozen=True)
 class Ring:
@@ -65,9 +68,13 @@ def gather(call: Call, signals: Floats) -> Floats:
     with np.errstate(over="ignore"):  # infinity is no value of any type
         scaled: Floats = np.where(plain, values, call.factor * values + call.offset)
     if "Int" in call.type:
-        for i in np.flatnonzero(~plain & np.isfinite(values)):
-            exact = _scaled(call, int(i), signals)
-            scaled[i] = float(exact) if abs(exact) <= EXACT else inf
+        for element in np.flatnonzero(~plain & np.isfinite(values)).tolist():
+            exact = _scaled(call, element, signals)
+            scaled[element] = (
+                float(exact)
+                if abs(exact) <= EXACT and max(abs(call.factor[element]), abs(call.offset[element])) <= _MOST
+                else inf
+            )
     for i, pairs in enumerate(call.mappings):
         if pairs:
             scaled[i] = next((there for here, there in pairs if here == values[i]), np.nan)
@@ -150,8 +157,7 @@ def not_handed_on(call: Call, element: int, signals: Floats) -> CallFailed:
             return CallFailed(call.component, f"{name} = {value}{BEYOND}{source}")
     else:
         value = float(gather(call, signals)[element])
-    shown = value if isinstance(value, int) else f"{value:.17g}"
-    return CallFailed(call.component, f"{name} = {shown} does not fit type {call.type}{source}")
+    return CallFailed(call.component, f"{name} = {value!r} does not fit type {call.type}{source}")
 
 
 def _scaled(call: Call, element: int, signals: Floats) -> Fraction:

@@ -450,8 +450,9 @@ def checked_value(name: str, port: Port, value: Value) -> tuple[Any, ...]:
     if "Int" in port.type:
         if array.dtype.kind not in "fiu":
             raise AdcsError(f"{name} = {value!r}: expected an integer")
+        flat = np.asarray(value, object).ravel()  # of mixed integers, numpy makes doubles
         _refuse_misfit(name, port, value, flat)
-        return tuple(int(v) for v in np.asarray(value, object).ravel())  # which numpy may have rounded to doubles
+        return tuple(int(v) for v in flat)
     raise AdcsError(f"{name} is of type {port.type}: setting these is not supported")
 
 

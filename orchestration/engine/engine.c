@@ -190,10 +190,14 @@ static size_t first_not_finite(const double* values, size_t n) {
 /* Above 2^53 a double does not hold every integer: such values are refused rather than rounded. */
 #define EXACT (INT64_C(1) << 53)
 
-/* Infinity, which no integer takes, where the value would be rounded. */
+/* Of a factor or offset between integers: _MOST of propagation.py. */
+#define MOST 0x1p70
+
+/* Infinity, which no integer takes, where a double could not hold the result. */
 static double whole(const Piece* piece, double value) {
-    const double product = piece->factor * value, sum = product + piece->offset;
-    return fma(piece->factor, value, -product) == 0.0 && sum - piece->offset == product ? sum : INFINITY;
+    if (!(fabs(value) <= (double)EXACT && fabs(piece->factor) <= MOST && fabs(piece->offset) <= MOST)) return INFINITY;
+    const __int128 sum = (__int128)piece->factor * (__int128)value + (__int128)piece->offset;
+    return sum < -EXACT || sum > EXACT ? INFINITY : (double)sum;
 }
 
 /* Values outside the mapping become NaN, which no type takes. */

@@ -177,6 +177,25 @@ MODELS: dict[str, Model] = {
         fmi2={"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true"},
         fmi3={"canGetAndSetFMUState": "true", "canSerializeFMUState": "true"},
     ),
+    "strict": Model(
+        [
+            *(parameter("lenient", 0.0), Variable("gain", "parameter", start=1.0, variability="tunable")),
+            *(input_("u", 1.0), input_("v", 0.0)),
+            *(Variable("x"), Variable("w", depends="u"), Variable("unsaid", depends=None)),
+        ],
+        attributes=VARIABLE_STEP,
+        fmi2={"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true"},
+        fmi3={"canGetAndSetFMUState": "true", "canSerializeFMUState": "true"},
+    ),
+    "eager": Model(
+        [
+            *(parameter("which", 0, "Int32"), parameter("wrong", 0, "Int32")),
+            *(clock("retuned", "tunable"), clock("changed", "changing"), clock("counted", "countdown")),
+            *(counted("ticks", clock="changed"),),
+        ],
+        versions=("3.0",),
+        fmi3=EVENTS,
+    ),
     "punctual": Model([Variable("off"), Variable("drift"), Variable("step_seen")], attributes=VARIABLE_STEP),
     "quitter": Model(
         [

@@ -34,6 +34,7 @@ typedef struct {
     unsigned char active[N_VALUES];
     int mode, events_used, early_allowed;
     int early, event, terminate, again; /* what advance() and update() found */
+    int given;                          /* something was set in step mode since the last step */
     double stop; /* as it was told */
     double last, next_event, given_interval[N_VALUES];
     int count[N_VALUES]; /* a model may count here */
@@ -130,6 +131,7 @@ static int set(Model *m, unsigned vr, size_t j, long double value) {
     if (kinds[vr] != 's' && m->mode == CONFIGURATION) return say(m, 3, "what is set is no structural parameter");
     if (kinds[vr] == 'p' && m->mode > INITIALIZATION) return say(m, 3, "a parameter is set after initialization");
     m->v[vr + j] = value;
+    m->given = m->mode == STEP_MODE;
     return 0;
 }
 static int beyond(Model *m, double t) {
@@ -143,7 +145,7 @@ static int step(Model *m, double t, double h) {
     if (fabs(t - m->time) > 1e-9) return say(m, 3, "the step does not begin where the one before ended");
     if (beyond(m, t + h)) return 3;
     if (h <= 0.0) return say(m, 3, "the step has no length");
-    m->early = m->event = m->terminate = 0;
+    m->early = m->event = m->terminate = m->given = 0;
     m->last = t + h;
     const int status = advance(m, t, h);
     if (status < 2) m->time = m->last;

@@ -242,6 +242,18 @@ def build(model: str, folder: Path, version: str = "2.0", name: str | None = Non
     return path
 
 
+def changed(path: Path, target: Path, old: str, new: str) -> Path:
+    """Copy an FMU with something else in its modelDescription.xml."""
+    with zipfile.ZipFile(path) as source, zipfile.ZipFile(target, "w") as copy:
+        for name in source.namelist():
+            content = source.read(name)
+            if name == "modelDescription.xml":
+                assert old.encode() in content
+                content = content.replace(old.encode(), new.encode())
+            copy.writestr(name, content)
+    return target
+
+
 def _places(variables: list[Variable]) -> dict[str, int]:
     places, at = {}, 0
     for v in variables:
@@ -256,7 +268,8 @@ def _compile(model: str, variables: list[Variable], places: dict[str, int], bina
     for v in variables:
         at = places[v.name]
         lengths[at] = 0 if v.resizable else v.fixed_size
-        kinds[at] = {"parameter": "p", "structuralParameter": "s"}.get(v.causality, " ")
+        fixed = v.causality == "parameter" and v.variability != "tunable"
+        kinds[at] = "p" if fixed else "s" if v.causality == "structuralParameter" else " "
         if v.clock is not None:
             clocks[at] = places[v.clock]
         for i, value in enumerate(v.starts):

@@ -422,21 +422,10 @@ def test_an_execution_tool_that_is_missing_is_named(foreign, version):
         run(alone(foreign("tool", version)), stop_time=1.0, step=1.0)
 
 
-def changed(path, target, old, new):
-    with zipfile.ZipFile(path) as source, zipfile.ZipFile(target, "w") as copy:
-        for name in source.namelist():
-            content = source.read(name)
-            if name == "modelDescription.xml":
-                assert old.encode() in content
-                content = content.replace(old.encode(), new.encode())
-            copy.writestr(name, content)
-    return target
-
-
 def test_scheduled_execution_is_refused_by_name(foreign, tmp_path):
-    path = changed(foreign("counter"), tmp_path / "se.fmu", "<CoSimulation ", "<ScheduledExecution ")
-    path = changed(path, tmp_path / "scheduled.fmu", ' hasEventMode="true"', "")
-    path = changed(path, tmp_path / "se_only.fmu", ' canHandleVariableCommunicationStepSize="true"', "")
+    path = foreign_fmus.changed(foreign("counter"), tmp_path / "se.fmu", "<CoSimulation ", "<ScheduledExecution ")
+    path = foreign_fmus.changed(path, tmp_path / "scheduled.fmu", ' hasEventMode="true"', "")
+    path = foreign_fmus.changed(path, tmp_path / "se_only.fmu", ' canHandleVariableCommunicationStepSize="true"', "")
     with pytest.raises(AdcsError, match=r"^se_only\.fmu has scheduled execution only, which is not supported"):
         run(alone(path), stop_time=1.0, step=1.0)
 
@@ -454,7 +443,7 @@ def test_fmi_1_is_refused_by_name(tmp_path):
 
 
 def test_a_start_value_of_the_wrong_length_is_refused(foreign, tmp_path):
-    path = changed(foreign("sizes"), tmp_path / "short.fmu", 'start="1.0 2.0 3.0"', 'start="1.0 2.0"')
+    path = foreign_fmus.changed(foreign("sizes"), tmp_path / "short.fmu", 'start="1.0 2.0 3.0"', 'start="1.0 2.0"')
     with pytest.raises(
         AdcsError, match=r"short\.fmu is not valid: the start value of u has 2 elements, the variable 3$"
     ):
@@ -463,10 +452,10 @@ def test_a_start_value_of_the_wrong_length_is_refused(foreign, tmp_path):
 
 def test_descriptions_that_fmpy_does_not_read_are_read(foreign, tmp_path):
     clock = '<Clock name="tick" valueReference="0"'
-    path = changed(foreign("counter"), tmp_path / "a.fmu", clock, f'{clock} declaredType="Beat"')
+    path = foreign_fmus.changed(foreign("counter"), tmp_path / "a.fmu", clock, f'{clock} declaredType="Beat"')
     types = '<TypeDefinitions><ClockType name="Beat" intervalVariability="constant"/>'
-    path = changed(path, tmp_path / "b.fmu", "<TypeDefinitions>", types)
-    path = changed(path, tmp_path / "c.fmu", 'clocks="0"', 'clocks=" 0  "')
+    path = foreign_fmus.changed(path, tmp_path / "b.fmu", "<TypeDefinitions>", types)
+    path = foreign_fmus.changed(path, tmp_path / "c.fmu", 'clocks="0"', 'clocks=" 0  "')
     assert run(alone(path), stop_time=0.2, step=0.1)["c.count"].tolist() == [1, 2, 3]
 
 

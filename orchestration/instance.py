@@ -367,6 +367,11 @@ class Instance:
         """Whether `save` and `restore` may be called."""
         return bool(self._interface.canGetAndSetFMUstate)
 
+    @cached_property
+    def never_returns(self) -> bool:
+        """Whether no step is ever gone back behind: noSetFMUStatePriorToCurrentPoint of doStep."""
+        return self.ours or not self.can_save
+
     @property
     def can_vary_step(self) -> bool:
         """Whether communication steps may be of different sizes."""
@@ -452,7 +457,7 @@ class Instance:
             return
         if self.major == 2:
             try:
-                self.call("doStep", "doStep", time, step)
+                self.call("doStep", "doStep", time, step, self.never_returns)
             except EndRequested:
                 if not self.ends_with_discarded(time, step):
                     raise
@@ -461,7 +466,7 @@ class Instance:
         do_step = getattr(self.handle, "_functions")["fmi3DoStep"]  # noqa: B009 - what fmpy loaded
         results = [byref(r) for r in (event, terminate, early, last)]
         with self.calling("doStep"):
-            status = do_step(self.handle.component, time, step, True, *results)
+            status = do_step(self.handle.component, time, step, self.never_returns, *results)
         if status == DISCARD:
             self.after_discard(time, step)
             return

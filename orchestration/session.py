@@ -13,7 +13,7 @@ import numpy as np
 from fmus.errors import AdcsError
 from orchestration.engine import Engine
 from orchestration.fmu import FmiVersion, Port
-from orchestration.grid import Grid, whole_steps
+from orchestration.grid import SNAP, Grid, whole_steps
 from orchestration.instance import CallFailed, EndRequested, Instance, failing_at
 from orchestration.isolation.guard import Guard
 from orchestration.isolation.overstepping import overstepped
@@ -82,6 +82,11 @@ class CoSimulation:
         if not (isfinite(step) and step > 0 and isfinite(start_time)):
             raise AdcsError(f"step = {step} s, start_time = {start_time} s: expected finite times, the step positive")
         self.grid = Grid(start_time, step, steps, stop_time)
+        if stop_time is not None and not 0 < self.grid.shorter <= (1 + SNAP) * step:
+            begin, end = start_time + (steps - 1) * step, start_time + steps * step
+            raise AdcsError(
+                f"stop_time = {stop_time} s: step {steps} ends after {begin:g} and at {end:g} s at the latest"
+            )
         self.system, self.start, self.step, self.last = system, start_time, step, steps
         self.recording = Recording(system, record)
         self.ended: EndRequested | None = None

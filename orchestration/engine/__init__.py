@@ -47,6 +47,7 @@ class _Component(ctypes.Structure):
         ("every", ctypes.c_int64),
         ("fmi", ctypes.c_int32),
         ("foreign", ctypes.c_bool),
+        ("never_returns", ctypes.c_bool),
         ("changed", ctypes.c_int32),
     )
 
@@ -374,6 +375,7 @@ def _component(instance: Instance, every: int) -> _Component:
         every=every,
         fmi=instance.major,
         foreign=not instance.ours,
+        never_returns=instance.never_returns,
     )
 
 

@@ -59,9 +59,10 @@ typedef struct {
     int (*set_states)(void*, const double*, size_t);
     int (*get_derivatives)(void*, double*, size_t);
     size_t n_states;
-    int64_t every; /* communicates at k = 0, every, 2*every ... */
-    int32_t fmi;   /* 2 or 3 */
-    bool foreign;  /* its calls are looked after: what they change of the thread is changed back */
+    int64_t every;      /* communicates at k = 0, every, 2*every ... */
+    int32_t fmi;        /* 2 or 3 */
+    bool foreign;       /* its calls are looked after: what they change of the thread is changed back */
+    bool never_returns; /* to a state before a step */
     int32_t changed;
 } Component;
 
@@ -389,8 +390,9 @@ static bool do_step(Plan* plan, size_t i, int64_t k, double time, double step) {
     }
     bool event = false, terminate = false, early = false;
     double last = time + step; /* which not all FMUs set */
-    const int status = c->fmi == 2 ? c->do_step.fmi2(c->instance, time, step, 1)
-                                   : c->do_step.fmi3(c->instance, time, step, true, &event, &terminate, &early, &last);
+    const int status =
+        c->fmi == 2 ? c->do_step.fmi2(c->instance, time, step, c->never_returns)
+                    : c->do_step.fmi3(c->instance, time, step, c->never_returns, &event, &terminate, &early, &last);
     look_after(plan, c);
     if (status == DISCARD) return stepped(plan, i, k, time, step, plan->callback(DISCARDED, (int32_t)i, time, step));
     if (!good(status)) return fail(plan, STATUS, DO_STEP, i, 0, status, 0);

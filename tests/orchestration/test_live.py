@@ -256,3 +256,9 @@ def test_the_header_of_a_result_file_of_pure_numbers_is_understood(tmp_path):
         system.set(f"controller.{name}", value)
     result = run(system, stop_time=1, step=0.5, inputs=table, record=["controller.q_BN"])
     assert result["controller.q_BN"].tolist() == [[1.0, 0.0, 0.0, 0.0]] * 3
+
+
+@pytest.mark.parametrize("stop", [float("nan"), float("inf"), 0.2, 0.31, -1.0])
+def test_the_end_of_a_last_step_is_checked(chain, stop):
+    with pytest.raises(AdcsError, match=rf"^stop_time = {stop} s: step 3 ends after 0\.2 and at 0\.3 s at the latest$"):
+        CoSimulation(chain(), step=0.1, steps=3, stop_time=stop)

@@ -7,7 +7,9 @@ import foreign_fmus
 import numpy as np
 import pytest
 
+from fmus.errors import AdcsError
 from orchestration import CoSimulation, RunFailed, System, run
+from orchestration.instance import Instance
 from orchestration.live import Change
 from orchestration.session import CoSimulation as Session
 
@@ -169,3 +171,10 @@ def test_reading_after_setting_would_be_seen(foreign, version, monkeypatch):
     monkeypatch.setattr(Session, "shows", lambda self, name: True)
     text = failed(alone(foreign(version)), changes=[(0.1, "c.u", 2.0)], record=["c.x"], stop_time=0.3, step=0.1)
     assert text.startswith(f"c failed at t = 0.1 s: getting x {REFUSED}u{RULE}")
+
+
+def test_saying_that_no_step_is_gone_back_behind_would_be_seen(foreign, version, monkeypatch):
+    """An FMU may forget what it needs for that, if it is told so."""
+    monkeypatch.setattr(Instance, "never_returns", True)
+    with pytest.raises(AdcsError, match="a state is restored that would not be any more"):
+        run(ring(foreign(version)), stop_time=0.5, step=0.125, adaptive=1e-4, record=["a.x", "b.x"])

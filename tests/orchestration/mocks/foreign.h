@@ -36,6 +36,7 @@ typedef struct {
     int early, event, terminate, again; /* what advance() and update() found */
     int given;                          /* something was set in step mode since the last step */
     double stop; /* as it was told */
+    double left; /* the time before which no state will be restored any more */
     double last, next_event, given_interval[N_VALUES];
     int count[N_VALUES]; /* a model may count here */
     char resources[400];
@@ -102,6 +103,7 @@ static Model *create(void) {
         if (texts[i]) m->length[i] = (size_t)snprintf(m->text[i], sizeof m->text[i], "%s", texts[i]);
     }
     m->next_event = INFINITY;
+    m->left = -INFINITY;
     return m;
 }
 
@@ -140,7 +142,8 @@ static int beyond(Model *m, double t) {
     snprintf(text, sizeof text, "t = %.17g is beyond the stop time %.17g", t, m->stop);
     return say(m, 3, text);
 }
-static int step(Model *m, double t, double h) {
+static int step(Model *m, double t, double h, int left) {
+    if (left) m->left = t;
     if (in(m, ONLY(STEP_MODE), "doStep")) return 3;
     if (fabs(t - m->time) > 1e-9) return say(m, 3, "the step does not begin where the one before ended");
     if (beyond(m, t + h)) return 3;
@@ -210,7 +213,7 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
         M->length[vr[i]] = (size_t)snprintf(M->text[vr[i]], sizeof M->text[vr[i]], "%s", v[i]);
     return fmi2OK;
 }
-fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean b) { return (fmi2Status)step(M, t, h); }
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean b) { return (fmi2Status)step(M, t, h, b); }
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value) {
     if (kind != fmi2DoStepStatus) return fmi2Discard;
     *value = ready(M) ? fmi2OK : fmi2Pending;
@@ -233,7 +236,10 @@ fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
     return fmi2OK;
 }
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
+    const double left = M->left;
+    if (((Model *)state)->time < left) return (fmi2Status)say(M, 3, "a state is restored that would not be any more");
     memcpy(M, state, sizeof(Model));
+    M->left = left;
     return fmi2OK;
 }
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
@@ -446,7 +452,7 @@ fmi3Status fmi3SetIntervalFraction(fmi3Instance c, const fmi3ValueReference vr[]
 }
 fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean b, fmi3Boolean *event,
                       fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *last) {
-    const int status = step(M, t, h);
+    const int status = step(M, t, h, b);
     *event = M->event;
     *early = M->early;
     *terminate = M->terminate;

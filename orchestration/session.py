@@ -117,6 +117,7 @@ class CoSimulation:
                 solve_loops=solver is not None,
             )
             self._gets = gets_of(self._plan)
+            self._shown: dict[str, bool] = {}
             self.external = tuple(external)
             self.rings = tuple(Ring.filled(delay, self._plan.signals) for delay in self._plan.delays)
             self._loops = Loops(self._plan, self.instances, solver or LoopSolver())
@@ -286,11 +287,12 @@ class CoSimulation:
         That is said of inputs only: of those on which, by the FMU's ModelStructure, nothing depends that is fetched. In
         event mode of FMI 3.0 values are set first.
         """
-        component, port = self.system.port(name)
-        instance = self.instances[component]
-        if port.causality != "input" or not instance.in_step_mode:
-            return True
-        return any(call.component == component and depends_on(instance.fmu, call, port.nodes) for call in self._gets)
+        if name not in self._shown:
+            component, port = self.system.port(name)
+            fmu, gets = self.instances[component].fmu, [call for call in self._gets if call.component == component]
+            late = port.causality == "input" and self.instances[component].in_step_mode
+            self._shown[name] = not late or any(depends_on(fmu, get, fmu.ports[port.name].nodes) for get in gets)
+        return self._shown[name]
 
     def check_change(self, name: str, value: Value) -> tuple[str, Port, tuple[Any, ...]]:
         """Return component, port and flat value of a variable that may be set during a run; refuse any other."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fmus.errors import AdcsError
 from orchestration.fmu import FmiVersion, Fmu, Port, locate, open_fmu
-from orchestration.number_types import first_misfit
+from orchestration.number_types import BEYOND, first_beyond, first_misfit
 from orchestration.seeds import default_seed, seeds_of
 from orchestration.typed_values import binary_values, item_numbers
 from orchestration.units import Scale, conversion
@@ -386,6 +386,9 @@ def _pairs(link: str, target: Port, mapping: Sequence[tuple[float, float]]) -> t
     for here, there in pairs:
         if first_misfit(target.type, [there]) is not None or not isfinite(here):
             raise AdcsError(f"{link}the mapping leads from {here:g} to {there:g}, which is no {target.type}")
+    integers = [value for pair in mapping for value in pair if isinstance(value, int)]
+    if (beyond := first_beyond(integers)) is not None:
+        raise AdcsError(f"{link}{integers[beyond]} in the mapping{BEYOND}")
     return pairs
 
 

@@ -211,6 +211,16 @@ def test_a_mapping_to_what_the_type_does_not_hold_is_refused(types):
             system.connect("a.q_Int64", f"c.{target}", mapping=[(100, there)])
 
 
+def test_a_mapping_that_doubles_would_round_is_refused(types):
+    system = System("pair")
+    system.add("a", types, inputs())
+    system.add("c", types, {n: v for n, v in inputs().items() if n != "u_Int64"})
+    for pairs in ([(100, FIRST)], [(FIRST, 1)]):
+        with pytest.raises(AdcsError, match=rf"u_Int64: {FIRST} in the mapping is beyond 2\^53"):
+            system.connect("a.q_Int64", "c.u_Int64", mapping=pairs)
+    system.connect("a.q_Int64", "c.u_Int64", mapping=[(100, 2**53)])
+
+
 def test_a_loop_that_grows_beyond_all_numbers_is_refused(types):
     """Solving it sets inputs past the ordinary path."""
     with CoSimulation(alone(types), step=0.1) as simulation:

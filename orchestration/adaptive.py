@@ -68,7 +68,7 @@ class Adaptive:
                 simulation.ended = end
                 return
             simulation.k += 1
-            simulation.propagate()
+            simulation.see_end()
 
     def report(self) -> dict[str, Any]:
         """Which exchange steps (s) were taken in how many intervals, and how many tries were rejected."""

@@ -70,7 +70,7 @@ class Intervals:
         timer.interval, _ = self._get(clock)
         if clock.kind in PERIODIC:
             timer.shift = self._shift(clock)
-            self._check(timer)
+        self._check(timer)
         return timer
 
     def update(self, timer: Timer, time: float, *, ticked: bool) -> None:
@@ -87,13 +87,18 @@ class Intervals:
                 self._check(timer)
         elif changed or (clock.kind == "changing" and interval is not None):
             timer.origin, timer.interval, timer.waiting = time, interval, True
+            self._check(timer)
 
     def _check(self, timer: Timer) -> None:
-        interval, shift = timer.interval, timer.shift
-        if interval is None or not 0 < interval < inf:
-            raise self._failed(f"the interval of clock {timer.clock.name} is {interval} s: expected a positive time")
+        """Refuse an interval or shift with which a clock would never tick, tick without end, or ticked in the past."""
+        clock, interval, shift = timer.clock, timer.interval, timer.shift
+        if interval is None and clock.kind in PERIODIC:
+            raise self._failed(f"clock {clock.name} has no interval, and a {clock.kind} clock needs one from the start")
+        now = clock.kind not in PERIODIC  # may the first tick be, and another one in the same instant
+        if interval is not None and not (0 < interval < inf or (now and interval == 0)):
+            raise self._failed(f"the interval of clock {clock.name} is {_seconds(interval)}: expected a positive time")
         if not 0 <= shift < inf:
-            raise self._failed(f"the shift of clock {timer.clock.name} is {shift} s: expected a time from 0")
+            raise self._failed(f"the shift of clock {clock.name} is {_seconds(shift)}: expected a time from 0")
 
     def _get(self, clock: Clock) -> tuple[Interval | None, bool]:
         """Return the interval, None where it is not yet known, and whether it is a new one."""
@@ -103,15 +108,13 @@ class Intervals:
         if clock.fractional:
             counter, resolution = (c_uint64 * 1)(), (c_uint64 * 1)(1)
             self._call(action, "getIntervalFraction", _one(clock), counter, resolution, qualifier)
-            interval = Fraction(counter[0], max(resolution[0], 1))
+            interval = 0 if qualifier[0] == _NOT_YET_KNOWN else self._fraction(clock, "interval", counter, resolution)
         else:
             value = (c_double * 1)()
             self._call(action, "getIntervalDecimal", _one(clock), value, qualifier)
             interval = value[0]
         if qualifier[0] == _NOT_YET_KNOWN:
             return None, False
-        if not interval >= 0:
-            raise self._failed(f"the interval of clock {clock.name} is {interval} s: expected a positive time")
         return interval, qualifier[0] == _CHANGED
 
     def _shift(self, clock: Clock) -> Interval:
@@ -119,10 +122,15 @@ class Intervals:
         if clock.fractional:
             counter, resolution = (c_uint64 * 1)(), (c_uint64 * 1)(1)
             self._call(action, "getShiftFraction", _one(clock), counter, resolution)
-            return Fraction(counter[0], max(resolution[0], 1))
+            return self._fraction(clock, "shift", counter, resolution)
         value = (c_double * 1)()
         self._call(action, "getShiftDecimal", _one(clock), value)
         return value[0]
+
+    def _fraction(self, clock: Clock, what: str, counter: Any, resolution: Any) -> Fraction:
+        if resolution[0] == 0:
+            raise self._failed(f"the {what} of clock {clock.name} is {counter[0]}/0 s: expected a resolution from 1")
+        return Fraction(counter[0], resolution[0])
 
     def _set(self, clock: Clock) -> None:
         action = f"setting the interval of clock {clock.name} to {float(clock.interval or 0.0):.9g} s"
@@ -133,6 +141,10 @@ class Intervals:
             )
         else:
             self._call(action, "setIntervalDecimal", _one(clock), (c_double * 1)(float(clock.interval or 0.0)))
+
+
+def _seconds(time: Interval) -> str:
+    return f"{time} s" if isinstance(time, float) else f"{float(time):.9g} s"
 
 
 def _one(clock: Clock) -> Any:

@@ -164,17 +164,14 @@ class _Driver:
                     watched(self._saves.last)
                     if not self._shorter_step(watched):
                         break
-                while self._pending and self._pending[0].k == simulation.k:
-                    change = self._pending.pop(0)
-                    now = (simulation.k, change.name.partition(".")[0], f"setting {change.name}")
-                    watched(partial(change.apply, simulation), partial(tuple, now))
+                after = self._change(watched)
                 began = perf_counter()
                 try:
-                    n = self._allowed(count)
+                    n = self._allowed(1 if after else count)
                 except KeyboardInterrupt:  # while waiting for the time to go on
                     watched(self._saves.last)
                     raise
-                self._advance(watched, n)
+                self._advance(watched, n, after)
                 simulation.check()
                 for watcher in self._course.watchers:
                     self._pending = [*watcher(simulation), *self._pending]
@@ -211,7 +208,31 @@ class _Driver:
             count = min(count, self._course.pace.wait(simulation.k))
         return count
 
-    def _advance(self, watched: Watched, n: int) -> None:
+    def _change(self, watched: Watched) -> list[Change]:
+        """Make the changes that belong to the present point; return those that are to be made after its row."""
+        after = []
+        while self._pending and self._pending[0].k == self._simulation.k:
+            change = self._pending.pop(0)
+            if change.may_follow(self._simulation):
+                after.append(change)
+            else:
+                self._apply(watched, change)
+        return after
+
+    def _apply(self, watched: Watched, change: Change) -> None:
+        now = (self._simulation.k, change.name.partition(".")[0], f"setting {change.name}")
+        watched(partial(change.apply, self._simulation), partial(tuple, now))
+
+    def _leave(self, watched: Watched, after: Sequence[Change]) -> None:
+        """Make changes after the row of a point was recorded, and go on from it."""
+        for change in after:
+            self._apply(watched, change)
+        try:
+            watched(self._simulation.leave)
+        except EndRequested as end:
+            self._simulation.ended = end
+
+    def _advance(self, watched: Watched, n: int, after: Sequence[Change] = ()) -> None:
         simulation, recording, course = self._simulation, self._recording, self._course
         first = simulation.k
         every = course.record_every if first <= simulation.grid.full else 1  # the end of a shorter step is recorded
@@ -221,7 +242,7 @@ class _Driver:
             times = simulation.start + np.arange(first, first + n, dtype=np.float64) * simulation.step
             outside = course.inputs.at(np.minimum(times, simulation.grid.time(simulation.last)))
         try:
-            simulation.k, written, failed = watched(lambda: simulation.advance(n, outside, rows))
+            k, written, failed = watched(lambda: simulation.advance(n, outside, rows, stay=bool(after)))
         except Hung as hung:
             k, _, action, *_ = hung.doing
             last = k if action == "doStep" else k - 1  # point k is recorded before it is stepped on from
@@ -230,13 +251,17 @@ class _Driver:
         kept = written
         if course.until is not None and (met := course.until.first(rows[:written])) is not None:
             kept, failed = met + 1, None
-            k = ((first - 1) // every + 1 + met) * every
-            self.met_at = {"condition": str(course.until), "time": simulation.grid.time(k)}
+            met_at = ((first - 1) // every + 1 + met) * every
+            self.met_at = {"condition": str(course.until), "time": simulation.grid.time(met_at)}
         recording.commit(kept)
+        stays = bool(after) and k > first and failed is None and self.met_at is None
+        simulation.k = first if stays else k
         if isinstance(failed, EndRequested):
             simulation.ended = failed
         elif failed is not None:
             raise failed
+        if stays:
+            self._leave(watched, after)
 
     def _shorter_step(self, watched: Watched) -> bool:
         """Take a last step that is shorter; return whether its end was reached, where no component ended before."""

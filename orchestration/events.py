@@ -223,7 +223,11 @@ class Events:
                 break
             self._activate(due)
         else:
-            raise self._instance.wrong(f"the event at t = {time:.9g} s does not settle in {_MAX_ITERATIONS} iterations")
+            again = ", ".join(timer.clock.name for timer in due)
+            why = f": clock {again} ticks again and again at this time, its interval is too short" if due else ""
+            raise self._instance.wrong(
+                f"the event at t = {time:.9g} s does not settle in {_MAX_ITERATIONS} iterations{why}"
+            )
         if not self.next_event > time:
             raise self._instance.wrong(f"its next event, at t = {self.next_event!r} s, does not lie ahead of this one")
 

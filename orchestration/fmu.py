@@ -33,6 +33,7 @@ from orchestration.description import (
 from orchestration.feedthrough import Feedthrough
 from orchestration.isolation.temporary import temporary_folder
 from orchestration.nodes import Nodes
+from orchestration.references import check_references
 
 FmiVersion = Literal["2.0", "3.0"]
 Kind = Literal["co-simulation", "model-exchange"]
@@ -192,9 +193,32 @@ class Fmu:
                 f"{self.path.name} has scheduled execution only, which is not supported: export it otherwise"
             )
         if found is None:
+            self.check_clocks(kind)
             other = "model-exchange" if kind == "co-simulation" else "co-simulation"
             raise AdcsError(f"{self.path.name} has no {kind} interface: run the system with method {other!r}")
         return found
+
+    def check_clocks(self, kind: Kind, name: str = "") -> None:
+        """Refuse an FMU with clocks, as a component of this name, where nobody would tick them."""
+        event_mode = self.model.coSimulation is not None and self.model.coSimulation.hasEventMode
+        if not self.clocks or (kind == "co-simulation" and event_mode):
+            return
+        what = f"{name} ({self.path.name})" if name else self.path.name
+        way = "run the system with method 'co-simulation'" if event_mode else "it has none, export it with event mode"
+        clocks = ", ".join(c.name for c in self.clocks)
+        raise AdcsError(
+            f"{what} has clocks ({clocks}), which are supported in co-simulation with event mode only: {way}"
+        )
+
+    def ticks(self, port: Port) -> bool:
+        """Whether a variable is a clock that nobody else may tick, because it does so at known times."""
+        return any(clock.time_based and clock.reference in port.references for clock in self.clocks)
+
+    def called(self, port: Port) -> str:
+        """Say what a variable is, for messages."""
+        if self.ticks(port):
+            return "a time-based clock, which ticks by itself"
+        return f"a {port.variability} {port.causality}"
 
     def binaries(self, kind: Kind) -> list[PurePosixPath]:
         """Where this platform's binary may be inside the archive, best first."""
@@ -260,6 +284,7 @@ def _open(path: Path, modified: int, size: int) -> Fmu:
         raise AdcsError(f"{path} is FMI {version}: only 2.0 and 3.0 are supported")
     try:
         check_structure(xml)
+        check_references(xml)
         model = fmpy.read_model_description(for_fmpy(content, xml))
         extras = read_extras(xml)
         ports, places = _unite(model, extras)

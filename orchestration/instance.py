@@ -23,7 +23,8 @@ from orchestration.fmu import Fmu, Kind, Port
 from orchestration.grid import SNAP
 from orchestration.isolation.guard import Guard
 from orchestration.isolation.where import Where
-from orchestration.stepping import Stepper
+from orchestration.number_types import BEYOND, first_beyond, first_misfit
+from orchestration.stepping import DISCARD, Stepper
 
 _STATUS = {0: "ok", 1: "warning", 2: "discard", 3: "error", 4: "fatal", 5: "pending"}
 _CLASSES = {
@@ -33,11 +34,6 @@ _CLASSES = {
     (3, "model-exchange"): fmi3.FMU3Model,
 }
 _FMI2_NAMES = {"Float64": "Real", "Int32": "Integer"}
-_RANGES = {"Boolean": (0, 1)} | {
-    f"{sign}Int{bits}": (0, 2**bits - 1) if sign else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
-    for bits in (8, 16, 32, 64)
-    for sign in ("", "U")
-}
 _LAST_SUCCESSFUL_TIME, _TERMINATED = 2, 3  # of fmi2StatusKind
 _WITHOUT_CATEGORY = "PythonFMU"  # whose messages of exceptions have none: they come if no categories are asked for
 _OURS = "adcs-fmus "  # generationTool of the components built here, which never discard a step
@@ -54,6 +50,8 @@ class CallFailed(AdcsError):
         self.component = component
         self.text = text
         self.time: float | None = None
+        self.status: int | None = None
+        """What the FMU returned, if it was that."""
 
     def __str__(self) -> str:
         when = "" if self.time is None else f" failed at t = {self.time:.9g} s"
@@ -83,6 +81,21 @@ def failing_at(time: float) -> Iterator[None]:
         raise
 
 
+class Calling:
+    """Surrounds the calls of one instance; when one has returned, what it changed of the thread is put back."""
+
+    def __init__(self, where: Where, name: str, guard: Guard | None) -> None:
+        self._where, self._name, self._guard = where, name, guard
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, *error: object) -> None:
+        self._where.idle()
+        if self._guard is not None:
+            self._guard.thread(self._name)
+
+
 class Instance:
     """One instance of an FMU behind the methods that FMI 2 and FMI 3 have in common.
 
@@ -103,6 +116,7 @@ class Instance:
         self._where = where or Where()
         self._guard = guard
         self.fmu = fmu
+        self._calling = Calling(self._where, name, None if guard is None or self.ours else guard)
         self.major = fmu.major_version
         self.kind: Kind = kind
         self.messages: deque[tuple[int, str]] = deque(maxlen=20)
@@ -111,45 +125,43 @@ class Instance:
         """Of each connected input, the output that feeds it: for messages."""
         self.wants_end = False
         """Whether it has asked to end the simulation, where it has come to."""
+        self._changed: tuple[int, list[str]] = -1, []
         self._alive = False
         self._fatal = False
         self._callbacks: Any = None
         self._interface = interface = fmu.interface(kind)
         self._events: Events | None = None
         self._stepper: Stepper | None = None
-        clocks = ", ".join(c.name for c in fmu.clocks)
-        if clocks and (kind == "model-exchange" or not interface.hasEventMode):
-            raise AdcsError(
-                f"{name} ({fmu.path.name}) has clocks ({clocks}), which are supported in co-simulation with event mode "
-                "only: run the system with method 'co-simulation'"
-            )
-        self.begins("instantiating")
+        self._smaller: Stepper | None = None  # of an FMU that otherwise takes plain steps
+        fmu.check_clocks(kind, name)
         try:
-            with _loading, chdir("."):
-                self.handle: Any = _CLASSES[self.major, kind](
-                    guid=fmu.model.guid,
-                    unzipDirectory=str(folder),
-                    modelIdentifier=interface.modelIdentifier,
-                    instanceName=name,
-                    **({"libraryPath": str(binary)} if self.major == 2 else {}),
-                )
-            if self.major == 2:
-                self._callbacks = _fmi2_callbacks(self._log)
-                self.handle.instantiate(callbacks=self._callbacks)
-            else:
-                self._instantiate3(kind)
+            with self.calling("instantiating"):
+                self._instantiate(folder, binary)
         except Exception as error:
             reason = self.last_message or _line(error)
             if interface.needsExecutionTool:
                 reason += f"; it needs the tool that made it, {fmu.model.generationTool or 'which it does not name'}"
             raise AdcsError(f"{name}: cannot instantiate {fmu.path.name}: {reason}") from error
-        finally:
-            self._where.idle()
         self._alive = True
         self._listen()
         self._check()
         if kind == "co-simulation" and self._needs_care():
             self._stepper = Stepper(self, self._events)
+
+    def _instantiate(self, folder: Path, binary: Path) -> None:
+        with _loading, chdir("."):
+            self.handle: Any = _CLASSES[self.major, self.kind](
+                guid=self.fmu.model.guid,
+                unzipDirectory=str(folder),
+                modelIdentifier=self._interface.modelIdentifier,
+                instanceName=self.name,
+                **({"libraryPath": str(binary)} if self.major == 2 else {}),
+            )
+        if self.major == 2:
+            self._callbacks = _fmi2_callbacks(self._log)
+            self.handle.instantiate(callbacks=self._callbacks)
+        else:
+            self._instantiate3(self.kind)
 
     def _instantiate3(self, kind: Kind) -> None:
         settings: dict[str, Any] = {"logMessage": lambda _, status, __, text: self._log(status, text)}
@@ -173,13 +185,8 @@ class Instance:
 
     def _needs_care(self) -> bool:
         """Whether a step may be more than one successful call of doStep."""
-        if (
-            self.asynchronous
-            or self._events is not None
-            or (self.major == 3 and self._interface.mightReturnEarlyFromDoStep)
-        ):
-            return True
-        return self.retries
+        early = self.major == 3 and self._interface.mightReturnEarlyFromDoStep
+        return bool(self.asynchronous or self._events is not None or early or self.saves_for_retries)
 
     def _listen(self) -> None:
         """Ask for the messages that explain failures, and for no others: many FMUs are silent otherwise."""
@@ -215,7 +222,17 @@ class Instance:
         elif action == "doStep" and status == 5:
             more += ", though it does not declare canRunAsynchronuously"
         message = self.last_message or "the FMU gave no message"
-        return CallFailed(self.name, f"{action} returned {reason}{more}: {message}{self._fed(f'{action} {message}')}")
+        failed = CallFailed(self.name, f"{action} returned {reason}{more}: {message}{self._fed(f'{action} {message}')}")
+        failed.status = status
+        return failed
+
+    def after_discard(self, time: float, step: float) -> None:
+        """Go on after a plain step was discarded: CallFailed, unless it is done all the same, or in smaller ones."""
+        if self.may_discard:
+            self._smaller = self._smaller or Stepper(self, None)
+            self._smaller.step(time, step, discarded=True)
+        elif not self.ends_with_discarded(time, step):
+            raise self.failure("doStep", DISCARD)
 
     def ends_with_discarded(self, time: float, step: float) -> bool:
         """Whether an FMI 2 FMU has discarded a step to end the simulation at its very end: it is done, then.
@@ -273,23 +290,16 @@ class Instance:
 
     def call(self, action: str, method: str, *arguments: Any, **named: Any) -> Any:
         """Call a method of fmpy's object; `action` says what is done, for the error."""
-        self._where.call(self.name, action)
         try:
-            return getattr(self.handle, method)(*arguments, **named)
+            with self.calling(action):
+                return getattr(self.handle, method)(*arguments, **named)
         except FMICallException as error:
             raise self.failure(action, error.status) from error
-        finally:
-            self._returned()
 
-    def begins(self, action: str) -> None:
-        """Note that a call is about to be made past `call`."""
+    def calling(self, action: str) -> Calling:
+        """Return what every call stands in that is made from Python: it is noted, and looked after."""
         self._where.call(self.name, action)
-
-    def _returned(self) -> None:
-        """Note that a call has returned, and put back what it changed of the thread."""
-        self._where.idle()
-        if self._guard is not None and not self.ours:
-            self._guard.thread(self.name)
+        return self._calling
 
     def _check(self) -> None:
         if self._guard is not None and not self.ours:
@@ -300,27 +310,32 @@ class Instance:
         """Whether the FMU was built here: it leaves alone what is not its own."""
         return (self.fmu.model.generationTool or "").startswith(_OURS)
 
-    def get(self, references: Sequence[int], size: int, action: str = "get", type: str = "Float64") -> list[float]:
-        """Get values of a numeric type, named as in `Port.type`; Boolean ones are 0 or 1."""
+    def read(self, references: Sequence[int], size: int, action: str = "get", type: str = "Float64") -> list[Any]:
+        """Get values of a numeric type, named as in `Port.type`, as they are: an integer is one."""
         sizes = () if self.major == 2 else (size,)
-        return [float(v) for v in self.call(action, f"get{self._kind(type)}", references, *sizes)]
+        values = self.call(action, f"get{self._kind(type)}", references, *sizes)
+        return [bool(v) for v in values] if type == "Boolean" else list(values)
+
+    def get(self, references: Sequence[int], size: int, action: str = "get", type: str = "Float64") -> list[float]:
+        """Get values of a numeric type as doubles, Boolean ones as 0 or 1; an integer that none can be is refused."""
+        values = self.read(references, size, action, type)
+        if not type.startswith("Float") and (first := first_beyond(values)) is not None:
+            raise CallFailed(self.name, f"{action}: {values[first]}{BEYOND}")
+        return [float(v) for v in values]
 
     def set(
         self, references: Sequence[int], values: Sequence[float], action: str = "set", type: str = "Float64"
     ) -> None:
         """Set values of a numeric type, named as in `Port.type`; a number that the type does not hold is refused."""
+        misfit = first_misfit(type, values)
+        if misfit is not None:
+            raise CallFailed(self.name, f"{action}: {values[misfit[0]]!r}{misfit[1]}")
         if not type.startswith("Float"):
-            values = [self._whole(value, action, type) for value in values]
+            values = [int(value) for value in values]
         self.call(action, f"set{self._kind(type)}", references, values)
 
     def _kind(self, type: str) -> str:
         return _FMI2_NAMES.get(type, type) if self.major == 2 else type
-
-    def _whole(self, value: float, action: str, type: str) -> int:
-        low, high = _RANGES[type]
-        if not (low <= value <= high and value == int(value)):
-            raise CallFailed(self.name, f"{action}: {value!r} is not a value of type {type}")
-        return int(value)
 
     def set_start(self, port: Port, values: Sequence[Any]) -> None:
         """Set a start value of any type."""
@@ -341,10 +356,29 @@ class Instance:
             if not port.structural:
                 self.set_start(port, values)
 
+    def change(self, k: int, port: Port, values: Sequence[Any]) -> None:
+        """Set a value of any type at communication point k of a run."""
+        self._changed = k, [*self.changed_at(k), port.name]
+        self.set_start(port, values)
+
+    def changed_at(self, k: int) -> list[str]:
+        """Name the variables that were changed at communication point k."""
+        return self._changed[1] if self._changed[0] == k else []
+
+    @property
+    def in_step_mode(self) -> bool:
+        """Whether values are exchanged in step mode, in which FMI forbids a get after a set without a step between."""
+        return self.kind == "co-simulation" and self._events is None
+
     @property
     def can_save(self) -> bool:
         """Whether `save` and `restore` may be called."""
         return bool(self._interface.canGetAndSetFMUstate)
+
+    @cached_property
+    def never_returns(self) -> bool:
+        """Whether no step is ever gone back behind: noSetFMUStatePriorToCurrentPoint of doStep."""
+        return self.ours or not self.can_save
 
     @property
     def can_vary_step(self) -> bool:
@@ -357,9 +391,14 @@ class Instance:
         return self.major == 2 and bool(self._interface.canRunAsynchronuously)
 
     @property
-    def retries(self) -> bool:
-        """Whether a step that is discarded is retried in smaller ones, for which the state is saved before each."""
-        return self.can_save and self.can_vary_step and not self.ours
+    def saves_for_retries(self) -> bool:
+        """Whether the state is saved before each step, to return to if it is discarded and taken in smaller ones."""
+        return self.major == 2 and self.can_save and self.can_vary_step and not self.ours
+
+    @property
+    def may_discard(self) -> bool:
+        """Whether a step that is discarded leaves the FMU as it was before, so that smaller ones can be taken."""
+        return self.major == 3 and self.can_vary_step and not self.ours
 
     @property
     def can_serialize(self) -> bool:
@@ -426,7 +465,7 @@ class Instance:
             return
         if self.major == 2:
             try:
-                self.call("doStep", "doStep", time, step)
+                self.call("doStep", "doStep", time, step, self.never_returns)
             except EndRequested:
                 if not self.ends_with_discarded(time, step):
                     raise
@@ -434,9 +473,11 @@ class Instance:
         event, terminate, early, last = c_bool(), c_bool(), c_bool(), c_double(time + step)  # which not all FMUs set
         do_step = getattr(self.handle, "_functions")["fmi3DoStep"]  # noqa: B009 - what fmpy loaded
         results = [byref(r) for r in (event, terminate, early, last)]
-        self.begins("doStep")
-        status = do_step(self.handle.component, time, step, True, *results)
-        self._returned()
+        with self.calling("doStep"):
+            status = do_step(self.handle.component, time, step, self.never_returns, *results)
+        if status == DISCARD:
+            self.after_discard(time, step)
+            return
         if status not in (0, 1):
             raise self.failure("doStep", status)
         if terminate.value:
@@ -488,12 +529,10 @@ class Instance:
             if self._stepper is not None:
                 self._stepper.close()
             if healthy:
-                self.begins("terminating")
-                with suppress(FMICallException):
+                with self.calling("terminating"), suppress(FMICallException):
                     self.handle.terminate()
-            self.begins("freeing")
-            self.handle.freeInstance()
-            self._where.idle()
+            with self.calling("freeing"):
+                self.handle.freeInstance()
             self._check()
         if self._callbacks is not None:
             _loggers.pop(self._callbacks.componentEnvironment, None)

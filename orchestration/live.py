@@ -11,13 +11,15 @@ from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fmus.errors import AdcsError, shown
 from orchestration.grid import Grid
+from orchestration.number_types import BEYOND, EXACT, first_beyond, first_misfit
 from orchestration.plan import Floats
 from orchestration.results import Recording
 from orchestration.system import System, Value
-from orchestration.tables import read_table
+from orchestration.tables import read_table, whole_column
 
 if TYPE_CHECKING:
     from orchestration.session import CoSimulation
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Change:
-    """A variable gets a value at point k, before it is propagated and recorded."""
+    """A variable gets a value at point k, and the row of that point is one with it."""
 
     k: int
     name: str
@@ -39,6 +41,10 @@ class Change:
     def check(self, simulation: CoSimulation) -> None:
         """Refuse what could not be set when its time comes."""
         simulation.check_change(self.name, self.value)
+
+    def may_follow(self, simulation: CoSimulation) -> bool:
+        """Whether the row of its point is the same without it: then it is set after that, as FMI wants it."""
+        return not simulation.shows(self.name)
 
     def apply(self, simulation: CoSimulation) -> None:
         """Set it now."""
@@ -54,6 +60,7 @@ class Inputs:
 
     def __init__(self, system: System, times: Floats, columns: dict[str, Floats]) -> None:
         """`times` (n,) in s, increasing; `columns` give (n,) or (n, size) by `component.variable` or an element."""
+        times = np.asarray(times, float)
         if len(times) == 0 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
             raise AdcsError("inputs: times must be finite and increasing, and there must be at least one")
         self.names = list(columns)
@@ -62,17 +69,12 @@ class Inputs:
         parts = []
         for name, values in columns.items():
             end = system.end(name)
-            part = np.asarray(values, float).reshape(len(times), -1)
+            part = np.asarray(values).reshape(len(times), -1)
             if part.shape[1] != len(end.elements):
                 raise AdcsError(f"inputs: {name} has {len(end.elements)} elements, the table has {part.shape[1]}")
-            if not np.isfinite(part).all():
-                raise AdcsError(f"inputs: {name} has values that are not finite")
-            parts.append(part)
+            _check(name, end.port.type, times, part)
+            parts.append(part.astype(float))
             self._continuous += [end.port.type.startswith("Float")] * part.shape[1]
-            if not end.port.type.startswith("Float"):
-                held = np.isin(part, (0, 1)) if end.port.type == "Boolean" else part == np.round(part)
-                if not held.all():
-                    raise AdcsError(f"inputs: {name} has values that are no {end.port.type}")
         self._values = np.hstack(parts) if parts else np.empty((len(times), 0))
 
     @classmethod
@@ -95,6 +97,8 @@ class Inputs:
             if unit not in (None, "-", port.unit):
                 raise AdcsError(f"{path}: {name} is in {unit!r}, expected {port.unit!r}")
             columns[name] = table[:, column]
+            if port.type in ("Int64", "UInt64") and (np.abs(columns[name]) == EXACT).any():  # if it was not rounded
+                columns[name] = whole_column(path, column)
         return cls(system, table[:, 0], columns)
 
     def at(self, times: Floats) -> Floats:
@@ -104,6 +108,18 @@ class Inputs:
         for column in np.flatnonzero(self._continuous):
             values[:, column] = np.interp(times, self._times, self._values[:, column])
         return values
+
+
+def _check(name: str, type_: str, times: Floats, values: NDArray[Any]) -> None:
+    """Refuse by name, value and time what the input's type does not hold, or what a double could not hand on."""
+    misfit = first_misfit(type_, values)
+    if misfit is None and values.dtype.kind != "f" and not type_.startswith("Float"):
+        beyond = first_beyond(values.ravel().tolist())
+        misfit = None if beyond is None else (beyond, BEYOND)
+    if misfit is not None:
+        index, why = misfit
+        value, row = values.ravel().tolist()[index], index // values.shape[1]
+        raise AdcsError(f"inputs: {name} = {value!r} at {times[row]:g} s{why}")
 
 
 _HEADER = re.compile(r"(?P<name>.*?)(?:\[(?P<unit>[^\[\]]*)\])?", re.DOTALL)

@@ -42,15 +42,19 @@ class Nodes(Mapping[str, "tuple[Port, list[int]]"]):
     def __len__(self) -> int:
         return len(self._nodes)
 
+    def called(self, type: str, reference: int) -> str:
+        """Return the node of a value reference of a type (`Port.type`)."""
+        return self._of[type, reference]
+
     def of(self, port: Port) -> list[str]:
         """Return the nodes of a variable."""
-        return [self._of[port.type, reference] for reference in port.references]
+        return [self.called(port.type, reference) for reference in port.references]
 
     def place(self, port: Port, element: int) -> Place:
         """Return where an element of a variable is: the same for all its names."""
         if len(port.references) > 1:
-            return self._of[port.type, port.references[element]], 0
-        return self._of[port.type, port.references[0]], element
+            return self.called(port.type, port.references[element]), 0
+        return self.called(port.type, port.references[0]), element
 
     def main(self, port: Port) -> Port:
         """Return the variable that leads where several have the very same references: it keeps their start value."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from fmus.errors import AdcsError
 from orchestration.fmu import Fmu, Port
+from orchestration.number_types import BEYOND, first_beyond
 from orchestration.schedule import Name, Operation, schedule
 from orchestration.system import Connection, End, Ends
 
@@ -180,7 +181,8 @@ class _Builder:
 
     def _reserve_external(self, name: str) -> None:
         end = self._ends(name)
-        where = self._reserve(len(end.elements), [float(self._start(end.component, end.port)[i]) for i in end.elements])
+        start = self._start(end.component, end.port)
+        where = self._reserve(len(end.elements), [_double(end.component, end.port, start, i) for i in end.elements])
         for element, signal in zip(end.elements, range(where.start, where.stop), strict=True):
             self._feed(end.component, end.port, element, signal, None)
 
@@ -193,7 +195,7 @@ class _Builder:
         target = self._ends(connection.target)
         if connection.delayed:
             start = self._start(target.component, target.port)
-            values = [_before(connection, float(start[i])) for i in target.elements]
+            values = [_before(connection, _double(target.component, target.port, start, i)) for i in target.elements]
             where = self._reserve(len(target.elements), values)
             self._later.append((connection, where))
             for element, signal in zip(target.elements, range(where.start, where.stop), strict=True):
@@ -291,7 +293,8 @@ class _Builder:
         fed = self._origin[component, node]
         if place not in fed:
             port, elements = self._node_port(component, node)
-            fed[place] = self._reserve(1, [float(self._start(component, port)[elements[place]])]).start, None
+            value = _double(component, port, self._start(component, port), elements[place])
+            fed[place] = self._reserve(1, [value]).start, None
         return fed[place]
 
     def _start(self, component: str, port: Port) -> Sequence[Any]:
@@ -320,6 +323,14 @@ class _Builder:
 
 
 _DIRECT = Connection("", "")
+
+
+def _double(component: str, port: Port, start: Sequence[Any], element: int) -> float:
+    """One start value as it travels with those of a connection; refuse an integer that it could not hand on."""
+    value = start[element]
+    if isinstance(value, int) and first_beyond([value]) is not None:
+        raise AdcsError(f"{component}.{port.elements[element]} = {value}{BEYOND}")
+    return float(value)
 
 
 def _before(connection: Connection, start: float) -> float:

@@ -7,8 +7,8 @@ from math import inf
 
 from orchestration.instance import CallFailed, EndRequested, Instance, failing_at
 from orchestration.isolation.where import Doing, Where
-from orchestration.plan import Floats, Plan
-from orchestration.propagation import Ring, execute
+from orchestration.plan import Call, Floats, Plan
+from orchestration.propagation import Ring, execute, read_after_set
 
 
 class PythonLoop:
@@ -63,7 +63,15 @@ class PythonLoop:
                     assert self._solve is not None
                     self._solve(call.loop)
                 else:
-                    execute(call, self._plan.signals, self._instances)
+                    self._execute(call, k)
+
+    def _execute(self, call: Call, k: int) -> None:
+        try:
+            execute(call, self._plan.signals, self._instances)
+        except CallFailed as failed:
+            if call.kind == "get":
+                read_after_set(failed, self._plan, call, self._instances[call.component], k)
+            raise
 
     def move_on(self, k: int, last: int, time: float, step: float) -> None:
         """Step all components on from point k; none beyond point `last`."""

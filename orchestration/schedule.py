@@ -39,7 +39,8 @@ def schedule(
     `sources` gives for each input that is set the outputs from which its value comes now; none, if the value is there
     already. `depends` gives the inputs on which an output of the same component directly depends. `wanted` names
     outputs that are fetched though they feed no input now, `record` those that are fetched last. Each component gets
-    as few calls as the dependencies allow. An algebraic loop is refused with its variables, unless it is to be solved.
+    as few calls as the dependencies allow, and those that get before those that set, where that takes none more. An
+    algebraic loop is refused with its variables, unless it is to be solved.
     """
     outputs = dict.fromkeys([*(out for all_of in sources.values() for out in all_of), *wanted])
     extra = [out for out in dict.fromkeys(record) if out not in outputs]
@@ -116,6 +117,9 @@ class _Sequence:
             if any(self._needs[out] for out in self._ready[component]):
                 self._set(component)
             self._get(component)
+        for component, extra in list(self._extra.items()):
+            if not any(self._needs[out] for out in extra):  # in step mode FMI wants a component read before it is set
+                self._get(component)
         for component in list(self._unset):
             self._set(component)
         for component in list(self._extra):

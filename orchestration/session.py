@@ -13,7 +13,7 @@ import numpy as np
 from fmus.errors import AdcsError
 from orchestration.engine import Engine
 from orchestration.fmu import FmiVersion, Port
-from orchestration.grid import Grid, whole_steps
+from orchestration.grid import SNAP, Grid, whole_steps
 from orchestration.instance import CallFailed, EndRequested, Instance, failing_at
 from orchestration.isolation.guard import Guard
 from orchestration.isolation.overstepping import overstepped
@@ -21,7 +21,7 @@ from orchestration.isolation.where import Where
 from orchestration.loops import Loops, LoopSolver
 from orchestration.opening import initialised
 from orchestration.plan import Floats, make_plan
-from orchestration.propagation import Ring
+from orchestration.propagation import Ring, depends_on, gets_of
 from orchestration.python_loop import PythonLoop
 from orchestration.results import Recording
 from orchestration.system import Connection, System, Value, checked_value
@@ -82,6 +82,11 @@ class CoSimulation:
         if not (isfinite(step) and step > 0 and isfinite(start_time)):
             raise AdcsError(f"step = {step} s, start_time = {start_time} s: expected finite times, the step positive")
         self.grid = Grid(start_time, step, steps, stop_time)
+        if stop_time is not None and not 0 < self.grid.shorter <= (1 + SNAP) * step:
+            begin, end = start_time + (steps - 1) * step, start_time + steps * step
+            raise AdcsError(
+                f"stop_time = {stop_time} s: step {steps} ends after {begin:g} and at {end:g} s at the latest"
+            )
         self.system, self.start, self.step, self.last = system, start_time, step, steps
         self.recording = Recording(system, record)
         self.ended: EndRequested | None = None
@@ -111,6 +116,8 @@ class CoSimulation:
                 every={c.name: c.every for c in components},
                 solve_loops=solver is not None,
             )
+            self._gets = gets_of(self._plan)
+            self._shown: dict[str, bool] = {}
             self.external = tuple(external)
             self.rings = tuple(Ring.filled(delay, self._plan.signals) for delay in self._plan.delays)
             self._loops = Loops(self._plan, self.instances, solver or LoopSolver())
@@ -197,7 +204,7 @@ class CoSimulation:
             self._propagate_off_grid()
         else:
             self.loop.propagate(self.k, self.time)
-        self._see_end()
+        self.see_end()
 
     def move_on(self) -> None:
         """Step all components to the next point. EndRequested if a component ends the simulation on the way."""
@@ -205,19 +212,24 @@ class CoSimulation:
             if self.k == self.grid.full and self.grid.shorter:
                 self.shorter_step()
             else:
-                self.loop.move_on(self.k, self.grid.full, self.time, self.step)
+                with failing_at(self.time):
+                    self.loop.move_on(self.k, self.grid.full, self.time, self.step)
                 self.k += 1
         except EndRequested as end:
             self.ended = end
             raise
 
-    def advance(self, count: int, external: Floats | None, rows: Floats) -> tuple[int, int, CallFailed | None]:
+    def advance(
+        self, count: int, external: Floats | None, rows: Floats, *, stay: bool = False
+    ) -> tuple[int, int, CallFailed | None]:
         """Take `count` points from the present one on, recorded in `rows`, as the loop's `steps`.
 
-        The last point, if the step to it is shorter, is for a call of its own, after `shorter_step`.
+        With `stay` no component is stepped on from the last of them; `leave` does that. The last point, if the step to
+        it is shorter, is for a call of its own, after `shorter_step`.
         """
         if self.k <= self.grid.full:
-            return self.loop.steps(self.start, self.step, self.k, count, self.grid.full, external, rows)
+            last = self.k + count - 1 if stay else self.grid.full
+            return self.loop.steps(self.start, self.step, self.k, count, last, external, rows)
         if external is not None:
             self.signals[: self.n_external] = external[0]
         try:
@@ -226,8 +238,15 @@ class CoSimulation:
         except CallFailed as failed:
             return self.k, 0, failed
         rows[0] = self.row
-        self._see_end()
+        self.see_end()
         return self.k + 1, 1, self.ended
+
+    def leave(self) -> None:
+        """After `advance` with `stay`: go on to the next point, by a step if it is not a shorter one."""
+        if self.k < self.grid.full:
+            self.move_on()
+        else:
+            self.k += 1
 
     def shorter_step(self) -> None:
         """From the last point of the grid, step to the end those components that communicate at every point."""
@@ -248,7 +267,8 @@ class CoSimulation:
         """Propagate at the end of a shorter step, where components that communicate at some points only do not."""
         self.loop.propagate(1, self.time)
 
-    def _see_end(self) -> None:
+    def see_end(self) -> None:
+        """See whether a component ends the simulation at the present point, which was propagated."""
         end = self.loop.ending(self.k)
         if end is not None and self.ended is None:
             end.time = self.time
@@ -259,7 +279,22 @@ class CoSimulation:
         component, port, values = self.check_change(name, value)
         with failing_at(self.time):
             instance = self.instances[component]
-            instance.set_start(instance.fmu.ports[port.name], values)  # whose FMI version may be another
+            instance.change(self.k, instance.fmu.ports[port.name], values)  # whose FMI version may be another
+
+    def shows(self, name: str) -> bool:
+        """Whether what is set in a variable may show in what is fetched at the same point.
+
+        That is said of inputs only: of those on which, by the FMU's ModelStructure, nothing depends that is fetched. In
+        event mode of FMI 3.0 values are set first.
+        """
+        if name not in self._shown:
+            component, port = self.system.port(name)
+            fmu, gets = self.instances[component].fmu, [call for call in self._gets if call.component == component]
+            late = port.causality == "input" and self.instances[component].in_step_mode
+            self._shown[name] = not late or any(
+                depends_on(fmu, get, fmu.nodes.of(fmu.ports[port.name])) for get in gets
+            )
+        return self._shown[name]
 
     def check_change(self, name: str, value: Value) -> tuple[str, Port, tuple[Any, ...]]:
         """Return component, port and flat value of a variable that may be set during a run; refuse any other."""
@@ -276,8 +311,8 @@ class CoSimulation:
                 raise AdcsError(f"{name} is connected to {fed.source}: it cannot be set during a run")
         elif not (port.causality == "parameter" and port.variability == "tunable"):
             raise AdcsError(
-                f"{name} cannot be set during a run: it is a {port.variability} {port.causality}, only inputs and "
-                "tunable parameters can"
+                f"{name} cannot be set during a run: it is {self.system.components[component].fmu.called(port)}, only "
+                "inputs and tunable parameters can"
             )
         return component, port, checked_value(name, port, value)
 

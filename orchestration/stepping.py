@@ -17,7 +17,7 @@ from orchestration.grid import SNAP
 if TYPE_CHECKING:
     from orchestration.instance import Instance
 
-DISCARD, PENDING = 2, 5
+DISCARD, FATAL, PENDING = 2, 4, 5
 _DO_STEP_STATUS = 0  # fmi2DoStepStatus
 _MAX_HALVINGS = 12
 _MAX_STANDING = 100  # returns in a row that do not get on
@@ -36,7 +36,8 @@ class Stepper:
         self._instance = instance
         self._handle = instance.handle
         self._events = events
-        self._retries = instance.retries
+        self._saves = instance.saves_for_retries
+        self._retries = self._saves or instance.may_discard
         self._discarded, self._warning = 0, ""
         self._before = c_void_p()  # the state that a discarded step returns to; its memory is used again
         self._bind()
@@ -44,10 +45,10 @@ class Stepper:
     def _bind(self) -> None:
         """Bind the two calls that every step makes: through fmpy's methods they would take several times as long."""
         functions = getattr(self._handle, "_functions")  # noqa: B009 - what fmpy loaded
-        component, keeps = self._handle.component, int(not self._retries)
+        component, never_returns = self._handle.component, self._instance.never_returns
         if self._instance.major == 2:
             do_step, get_state = functions["fmi2DoStep"], functions["fmi2GetFMUstate"]
-            self._call: Callable[[float, float], int] = lambda t, h: do_step(component, t, h, keeps)
+            self._call: Callable[[float, float], int] = lambda t, h: do_step(component, t, h, int(never_returns))
         else:
             do_step, get_state = functions["fmi3DoStep"], functions["fmi3GetFMUState"]
             self._event, self._terminate, self._early, self._last = c_bool(), c_bool(), c_bool(), c_double()
@@ -55,14 +56,17 @@ class Stepper:
 
             def call(t: float, h: float) -> int:
                 self._last.value = t + h  # which not all FMUs set
-                return int(do_step(component, t, h, keeps, *results))
+                return int(do_step(component, t, h, never_returns, *results))
 
             self._call = call
         before = byref(self._before)
         self._get_state: Callable[[], int] = lambda: get_state(component, before)
 
-    def step(self, time: float, step: float) -> None:
-        """Step from a communication point to the next, through whatever happens in between."""
+    def step(self, time: float, step: float, *, discarded: bool = False) -> None:
+        """Step from a communication point to the next, through whatever happens in between.
+
+        `discarded` says that the whole step was tried before, and discarded.
+        """
         end, resolution = time + step, SNAP * step
         if self._events is not None:
             self._events.depart(time, resolution)
@@ -71,7 +75,8 @@ class Stepper:
         while True:
             target = self._target(now, end, resolution)
             length = step if (now, target) == (time, time + step) else _step(now, target)
-            event, early, last = self._take(now, length)
+            event, early, last = self._halves(now, length) if discarded else self._take(now, length)
+            discarded = False
             reached = self._reached(now, target, resolution, last) if early else target
             standing, pieces = standing + 1 if reached <= now else 0, pieces + 1
             if standing == _MAX_STANDING:
@@ -125,17 +130,24 @@ class Stepper:
 
     def _take(self, time: float, step: float, halvings: int = 0) -> tuple[bool, bool, float]:
         """Return whether there was an event, whether the FMU returned early, and the time it reached."""
-        if not self._retries:
-            return self._do_step(time, step)
-        self._save()
+        if self._saves:
+            self._save(time)
         try:
             return self._do_step(time, step)
         except _Discarded:
-            if halvings == _MAX_HALVINGS:
-                raise self._instance.failure("doStep", DISCARD, f", even in steps of {step:.3g} s") from None
-            if halvings == 0:
-                self._warn(time)
-        self._instance.call("restoring a state", "setFMUState", self._before)
+            return self._halves(time, step, halvings)
+
+    def _halves(self, time: float, step: float, halvings: int = 0) -> tuple[bool, bool, float]:
+        """Take a step that was discarded in two.
+
+        FMI 3.0 promises that it has left the FMU as it was before; with FMI 2.0 that is restored.
+        """
+        if halvings == _MAX_HALVINGS:
+            raise self._instance.failure("doStep", DISCARD, f", even in steps of {step:.3g} s")
+        if halvings == 0:
+            self._warn(time)
+        if self._saves:
+            self._instance.call("restoring a state", "setFMUState", self._before)
         half = step / 2
         event, early, last = self._take(time, half, halvings + 1)
         if event or early or self._instance.wants_end:
@@ -155,8 +167,8 @@ class Stepper:
 
     def _do_step(self, time: float, step: float) -> tuple[bool, bool, float]:
         instance = self._instance
-        instance.begins("doStep")
-        status = self._call(time, step)
+        with instance.calling("doStep"):
+            status = self._call(time, step)
         if status == PENDING and instance.asynchronous:
             status = self._wait()
         if status == DISCARD and instance.ends_with_discarded(time, step):
@@ -181,16 +193,24 @@ class Stepper:
             pause = min(1.5 * pause, 0.05)
         return int(status)
 
-    def _save(self) -> None:
-        self._instance.begins("saving the state")
-        status = self._get_state()
-        if status not in (0, 1):
-            raise self._instance.failure("saving the state", status)
+    def _save(self, time: float) -> None:
+        """Save the state that a discarded step returns to; do without if the FMU cannot, though it says so."""
+        with self._instance.calling("saving the state"):
+            status = self._get_state()
+        if status in (0, 1):
+            return
+        failed = self._instance.failure("saving the state", status)
+        if status == FATAL:
+            raise failed
+        self._saves = self._retries = False
+        self._instance.warn(
+            f"{failed.text} (at t = {time:.9g} s); a step that it discards is not taken in smaller ones"
+        )
 
     def close(self) -> None:
         """Give back the memory of the saved state."""
         if self._before:
-            with suppress(FMICallException):
+            with self._instance.calling("freeing a state"), suppress(FMICallException):
                 self._handle.freeFMUState(self._before)
 
 

@@ -10,10 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fmus.errors import AdcsError
 from orchestration.fmu import FmiVersion, Fmu, Port, locate, open_fmu
 from orchestration.nodes import Place
+from orchestration.number_types import BEYOND, first_beyond, first_misfit
 from orchestration.seeds import default_seed, seeds_of
 from orchestration.typed_values import binary_values, item_numbers, size_text
 from orchestration.units import Scale, conversion
@@ -223,9 +225,9 @@ class System:
         output, input_ = self.end(source), self.end(target)
         link = f"cannot connect {source} to {target}: "
         if output.port.causality != "output":
-            raise AdcsError(f"{link}{source} is not an output but has causality {output.port.causality!r}")
+            raise AdcsError(f"{link}{source} is not an output but {self._called(output)}")
         if input_.port.causality != "input":
-            raise AdcsError(f"{link}{target} is not an input but has causality {input_.port.causality!r}")
+            raise AdcsError(f"{link}{target} is not an input but {self._called(input_)}")
         for name, end in ((source, output), (target, input_)):
             if not end.port.type.startswith(NUMERIC):
                 raise AdcsError(f"{link}{name} is of type {end.port.type}, only numbers and Booleans can be connected")
@@ -333,7 +335,9 @@ class System:
         for name in external:
             end = self.end(name)
             if end.port.causality != "input" or not end.port.type.startswith(NUMERIC):
-                raise AdcsError(f"{name} is a {end.port.type} {end.port.causality}: values from outside go to inputs")
+                fmu = self.components[end.component].fmu
+                what = fmu.called(end.port) if fmu.ticks(end.port) else f"a {end.port.type} {end.port.causality}"
+                raise AdcsError(f"{name} is {what}: values from outside go to inputs")
             if self._into(end.component, end.port):
                 raise AdcsError(f"{name} is connected to {self._into(end.component, end.port)[0].source} already")
             for other in (outside[place] for place in self.places(name) if place in outside):
@@ -359,6 +363,10 @@ class System:
                     raise AdcsError(
                         f"input {component.name}.{missing[0]} is not connected: connect it or give {name} a start value"
                     )
+
+    def _called(self, end: End) -> str:
+        fmu = self.components[end.component].fmu
+        return fmu.called(end.port) if fmu.ticks(end.port) else f"has causality {end.port.causality!r}"
 
     def _append(self, connection: Connection) -> None:
         end = self.end(connection.target)
@@ -407,10 +415,11 @@ def _pairs(link: str, target: Port, mapping: Sequence[tuple[float, float]]) -> t
     except (TypeError, ValueError):
         raise AdcsError(f"{link}mapping = {mapping!r}: expected pairs of numbers, (from, to)") from None
     for here, there in pairs:
-        whole = there == round(there) if isfinite(there) else False
-        held = whole if "Int" in target.type else there in (0, 1) if target.type == "Boolean" else isfinite(there)
-        if not (held and isfinite(here)):
+        if first_misfit(target.type, [there]) is not None or not isfinite(here):
             raise AdcsError(f"{link}the mapping leads from {here:g} to {there:g}, which is no {target.type}")
+    integers = [value for pair in mapping for value in pair if isinstance(value, int)]
+    if (beyond := first_beyond(integers)) is not None:
+        raise AdcsError(f"{link}{integers[beyond]} in the mapping{BEYOND}")
     return pairs
 
 
@@ -438,7 +447,7 @@ def _start(component: str, fmu: Fmu, variable: str, value: Value) -> tuple[Any, 
     port = _port(component, fmu, variable)
     name = f"{component}.{variable}"
     if not port.settable:
-        raise AdcsError(f"{name} cannot be given a start value: it is a {port.variability} {port.causality}")
+        raise AdcsError(f"{name} cannot be given a start value: it is {fmu.called(port)}")
     return checked_value(name, port, value)
 
 
@@ -477,8 +486,7 @@ def checked_value(name: str, port: Port, value: Value) -> tuple[Any, ...]:
     if port.type.startswith("Float"):
         if array.dtype.kind not in "fiu":
             raise AdcsError(f"{name} = {value!r}: expected a number")
-        if not np.isfinite(flat).all():
-            raise AdcsError(f"{name} = {value!r} is not finite")
+        _refuse_misfit(name, port, value, flat)
         return tuple(float(v) for v in flat)
     if port.type == "Boolean":
         if array.dtype.kind != "b":
@@ -489,14 +497,18 @@ def checked_value(name: str, port: Port, value: Value) -> tuple[Any, ...]:
             raise AdcsError(f"{name} = {value!r}: expected a text")
         return tuple(str(v) for v in flat)
     if "Int" in port.type:
-        if array.dtype.kind not in "fiu" or not np.isfinite(flat).all() or (flat != np.trunc(flat)).any():
+        if array.dtype.kind not in "fiu":
             raise AdcsError(f"{name} = {value!r}: expected an integer")
-        limits = np.iinfo(port.type.lower())
-        integers = tuple(int(v) for v in flat)
-        if not all(limits.min <= v <= limits.max for v in integers):
-            raise AdcsError(f"{name} = {value!r} is outside the range of {port.type}")
-        return integers
+        flat = np.asarray(value, object).ravel()  # of mixed integers, numpy makes doubles
+        _refuse_misfit(name, port, value, flat)
+        return tuple(int(v) for v in flat)
     raise AdcsError(f"{name} is of type {port.type}: setting these is not supported")
+
+
+def _refuse_misfit(name: str, port: Port, value: Value, flat: NDArray[Any]) -> None:
+    misfit = first_misfit(port.type, flat)
+    if misfit is not None:
+        raise AdcsError(f"{name} = {value!r}{misfit[1]}")
 
 
 def _hint(name: str, known: Iterable[str]) -> str:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import csv
 from array import array
+from decimal import Decimal
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fmus.errors import AdcsError, shown
 from orchestration.plan import Floats
@@ -50,6 +53,13 @@ def read_table(path: Path, *, header: bool) -> tuple[list[str], Floats]:
         raise AdcsError(f"{path}, line {line}: {shown(repr(cell))} is not a number") from None
     table: Floats = np.array(numbers, float).reshape(-1, width or 1)
     return names, table
+
+
+def whole_column(path: Path, column: int) -> NDArray[Any]:
+    """Return one column of a table that `read_table` has read, with integers as they are, not rounded to doubles."""
+    with path.open(newline="", encoding="utf-8-sig") as file:
+        cells = [Decimal(row[column].strip()) for row in list(filter(None, csv.reader(file)))[1:]]
+    return np.array([int(cell) if cell.is_finite() and cell == int(cell) else float(cell) for cell in cells])
 
 
 def _is_number(text: str) -> bool:

@@ -259,12 +259,7 @@ def _refuse(system: System, version: FmiVersion) -> None:
                 f"{component.name} communicates at some exchange steps only (every = {component.every}), and coupled "
                 "Model Exchange has none: use the method 'co-simulation'"
             )
-        fmu = component.open(version)
-        if fmu.clocks:
-            raise AdcsError(
-                f"{component.name} ({fmu.path.name}) has the clock {fmu.clocks[0].name}, and coupled Model Exchange "
-                "ticks none: use the method 'co-simulation'"
-            )
+        component.open(version).check_clocks("model-exchange", component.name)
 
 
 def _needs_completed_step(instance: Instance) -> bool:

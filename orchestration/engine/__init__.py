@@ -17,15 +17,14 @@ import numpy as np
 from fmus import toolchain
 from fmus.paths import BUILD
 from orchestration.instance import CallFailed, EndRequested, Instance
-from orchestration.isolation.where import ACTIONS, Doing, Place, Where
+from orchestration.isolation.where import ACTIONS, Action, Doing, Place, Where
 from orchestration.plan import Call, Floats, Plan
-from orchestration.propagation import Ring, action_of, not_finite, not_held, not_mapped
+from orchestration.propagation import Ring, action_of, not_doubled, not_finite, not_handed_on, read_after_set
 
 _SOURCE = Path(__file__).with_name("engine.c")
 _FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-Wall", "-Wextra", "-shared")
 
-_GET, _SET, _SOLVE, _DO_STEP, _SET_TIME, _SET_STATES, _GET_DERIVATIVES, _ASK_DISCARDED = range(8)
-_STATUS, _NOT_FINITE, _TERMINATED, _EARLY_RETURN, _DOES_NOT_FIT, _NOT_MAPPED, _RAISED, _GIVEN_UP = range(1, 9)
+_STATUS, _NOT_FINITE, _TERMINATED, _EARLY_RETURN, _DOES_NOT_FIT, _RAISED, _GIVEN_UP = range(1, 8)
 _TYPES = ["Float64", "Float32", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64", "Boolean"]
 _CONTROLS = ("the rounding mode", "the flushing of denormal numbers", "the traps of floating-point exceptions")
 _BOOL32 = len(_TYPES)  # FMI 2's
@@ -48,6 +47,7 @@ class _Component(ctypes.Structure):
         ("every", ctypes.c_int64),
         ("fmi", ctypes.c_int32),
         ("foreign", ctypes.c_bool),
+        ("never_returns", ctypes.c_bool),
         ("changed", ctypes.c_int32),
     )
 
@@ -65,6 +65,7 @@ class _Piece(ctypes.Structure):
         ("mapping", ctypes.POINTER(_Pair)),
         ("n_mapping", ctypes.c_size_t),
         ("plain", ctypes.c_bool),
+        ("whole", ctypes.c_bool),
     )
 
 
@@ -262,15 +263,15 @@ class Engine:
 
     def _called_back(self, kind: int, number: int, time: float, step: float) -> int:
         try:
-            if kind == _SOLVE:
+            if kind == Action.SOLVE:
                 assert self._solve is not None
                 self._solve(number)
-            elif kind == _ASK_DISCARDED:
-                return 2 if self._instances[number].ends_with_discarded(time, step) else 0
+            elif kind == Action.DISCARDED:
+                self._instances[number].after_discard(time, step)
+                return 2 if self._instances[number].wants_end else 0
             else:
-                instance = self._instances[number]
-                instance.do_step(time, step)
-                return 2 if instance.wants_end else 0
+                self._instances[number].do_step(time, step)
+                return 2 if self._instances[number].wants_end else 0
         except BaseException as error:  # cannot pass through C
             self._raised = error
             return 1
@@ -278,7 +279,7 @@ class Engine:
 
     def _call(self, call: Call) -> _Call:
         if call.kind == "solve":
-            return _Call(kind=_SOLVE, component=call.loop, every=call.every)
+            return _Call(kind=Action.SOLVE, component=call.loop, every=call.every)
         instance = self._instances[self._number[call.component]]
         n = len(call.where)
         references = (ctypes.c_uint32 * len(call.references))(*call.references)
@@ -295,13 +296,13 @@ class Engine:
             type=_BOOL32 if instance.major == 2 and call.type == "Boolean" else _TYPES.index(call.type),
             component=self._number[call.component],
             every=call.every,
-            plain=call.plain,
+            plain=call.plain and not (call.where < self._plan.n_external).any(),
         )
         if call.kind == "get":
-            made.kind = _GET
+            made.kind = Action.GET
             made.values = self._plan.signals.ctypes.data + int(call.where[0]) * self._plan.signals.itemsize
         else:
-            made.kind = _SET
+            made.kind = Action.SET
             staging = np.zeros(n)
             made.values = staging.ctypes.data
             made.pieces, made.n_pieces = _pieces(call.where, call)
@@ -318,15 +319,15 @@ class Engine:
         instance: Instance = self._instances[failure.component]
         if failure.reason == _GIVEN_UP:
             return CallFailed(instance.name, "it was given up")
-        if failure.kind in (_GET, _SET):
+        if failure.kind in (Action.GET, Action.SET):
             call = self._plan.calls[failure.call]
             action, elements = action_of(call), call.elements
-            if failure.reason in (_DOES_NOT_FIT, _NOT_MAPPED):
-                value = ctypes.cast(self._raw.calls[failure.call].values, ctypes.POINTER(ctypes.c_double))
-                wrong = not_held if failure.reason == _DOES_NOT_FIT else not_mapped
-                return wrong(call, failure.element, value[failure.element])
+            if failure.reason == _DOES_NOT_FIT and failure.kind == Action.SET:
+                return not_handed_on(call, failure.element, self._plan.signals)
+            if failure.reason == _DOES_NOT_FIT:
+                return not_doubled(call, failure.element, self._whole(failure.call, failure.element))
         else:
-            action = ACTIONS[failure.kind]
+            action = ACTIONS[failure.kind].text
             elements = tuple(f"the derivative of {state}" for state in instance.fmu.states)
         if failure.reason == _NOT_FINITE:
             return not_finite(instance.name, elements[failure.element])
@@ -334,7 +335,16 @@ class Engine:
             return instance.ended(self._raw.returned)
         if failure.reason == _EARLY_RETURN:
             return instance.returned_early(self._raw.returned)
-        return instance.failure(action, failure.status)
+        failed = instance.failure(action, failure.status)
+        if failure.kind == Action.GET:
+            return read_after_set(failed, self._plan, call, instance, self._where.place.k)
+        return failed
+
+    def _whole(self, number: int, element: int) -> int:
+        """Return one of the integers that a get call has got last."""
+        call: Any = self._raw.calls[number]
+        kind = ctypes.c_uint64 if self._plan.calls[number].type == "UInt64" else ctypes.c_int64
+        return int(ctypes.cast(call.raw, ctypes.POINTER(kind))[element])
 
 
 def _controls(bits: int) -> list[str]:
@@ -365,6 +375,7 @@ def _component(instance: Instance, every: int) -> _Component:
         every=every,
         fmi=instance.major,
         foreign=not instance.ours,
+        never_returns=instance.never_returns,
     )
 
 
@@ -387,7 +398,7 @@ def _piece(start: int, n: int, call: Call | None, first: int) -> _Piece:
     pairs = call.mappings[first] if call.mappings else ()
     plain = not pairs and (factor, offset) == (1.0, 0.0)
     mapping = (_Pair * len(pairs))(*(_Pair(*pair) for pair in pairs)) if pairs else None
-    return _Piece(start, n, factor, offset, mapping, len(pairs), plain)
+    return _Piece(start, n, factor, offset, mapping, len(pairs), plain, "Int" in call.type)
 
 
 def _built() -> Path:

@@ -59,15 +59,16 @@ typedef struct {
     int (*set_states)(void*, const double*, size_t);
     int (*get_derivatives)(void*, double*, size_t);
     size_t n_states;
-    int64_t every; /* communicates at k = 0, every, 2*every ... */
-    int32_t fmi;   /* 2 or 3 */
-    bool foreign;  /* its calls are looked after: what they change of the thread is changed back */
+    int64_t every;      /* communicates at k = 0, every, 2*every ... */
+    int32_t fmi;        /* 2 or 3 */
+    bool foreign;       /* its calls are looked after: what they change of the thread is changed back */
+    bool never_returns; /* to a state before a step */
     int32_t changed;
 } Component;
 
 enum { CHANGED_ROUNDING = 1, CHANGED_DENORMALS = 2, CHANGED_TRAPS = 4 };
 
-enum { GET, SET, SOLVE, DO_STEP, SET_TIME, SET_STATES, GET_DERIVATIVES, ASK_DISCARDED };
+enum { GET, SET, SOLVE, DO_STEP, SET_TIME, SET_STATES, GET_DERIVATIVES, DISCARDED };
 enum { FLOAT64, FLOAT32, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, BOOL8, BOOL32 };
 
 typedef struct {
@@ -80,6 +81,7 @@ typedef struct {
     const Pair* mapping; /* null: factor * signal + offset */
     size_t n_mapping;
     bool plain; /* as it is, to the last bit */
+    bool whole; /* for an integer, which must not be rounded */
 } Piece;
 
 typedef struct {
@@ -104,7 +106,7 @@ typedef struct {
     double* history; /* (steps, n): what left at k is at k modulo steps */
 } Delay;
 
-enum { STATUS = 1, NOT_FINITE, TERMINATED, EARLY_RETURN, DOES_NOT_FIT, NOT_MAPPED, RAISED, GIVEN_UP };
+enum { STATUS = 1, NOT_FINITE, TERMINATED, EARLY_RETURN, DOES_NOT_FIT, RAISED, GIVEN_UP };
 
 typedef struct {
     int32_t reason;
@@ -126,8 +128,8 @@ typedef struct {
 
 enum { IDLE = -1 };
 
-/* 0: done, 1: it raised, 2: done, and the component asks to end the simulation. ASK_DISCARDED: whether an FMI 2 step
- * that was discarded is done all the same, 2, because that is how the FMU ends the simulation. */
+/* 0: done, 1: it raised, 2: done, and the component asks to end the simulation. DISCARDED: go on from a step that was
+ * discarded, which may be how an FMI 2 FMU ends the simulation. */
 typedef int (*Callback)(int32_t kind, int32_t number, double time, double step);
 
 typedef struct {
@@ -175,7 +177,7 @@ static bool fail(Plan* plan, int reason, int kind, size_t component, size_t call
     return false;
 }
 
-#define DISCARD 2 /* fmi2Discard */
+#define DISCARD 2 /* fmi2Discard and fmi3Discard */
 
 /* fmi2OK and fmi2Warning, fmi3OK and fmi3Warning; anything else, also what no standard knows, is a failure */
 static bool good(int status) { return status == 0 || status == 1; }
@@ -184,6 +186,19 @@ static size_t first_not_finite(const double* values, size_t n) {
     size_t i = 0;
     while (i < n && isfinite(values[i])) ++i;
     return i;
+}
+
+/* Above 2^53 a double does not hold every integer: such values are refused rather than rounded. */
+#define EXACT (INT64_C(1) << 53)
+
+/* Of a factor or offset between integers: _MOST of propagation.py. */
+#define MOST 0x1p70
+
+/* Infinity, which no integer takes, where a double could not hold the result. */
+static double whole(const Piece* piece, double value) {
+    if (!(fabs(value) <= (double)EXACT && fabs(piece->factor) <= MOST && fabs(piece->offset) <= MOST)) return INFINITY;
+    const __int128 sum = (__int128)piece->factor * (__int128)value + (__int128)piece->offset;
+    return sum < -EXACT || sum > EXACT ? INFINITY : (double)sum;
 }
 
 /* Values outside the mapping become NaN, which no type takes. */
@@ -202,15 +217,14 @@ static double* gather(const double* signals, const Piece* pieces, size_t n_piece
             for (size_t i = 0; i < piece->n; ++i) *to++ = from[i];
         } else if (piece->mapping) {
             for (size_t i = 0; i < piece->n; ++i) *to++ = mapped(piece, from[i]);
+        } else if (piece->whole) {
+            for (size_t i = 0; i < piece->n; ++i) *to++ = whole(piece, from[i]);
         } else {
             for (size_t i = 0; i < piece->n; ++i) *to++ = piece->factor * from[i] + piece->offset;
         }
     }
     return to;
 }
-
-/* Above 2^53 a double does not hold every integer: such values are refused rather than rounded. */
-#define EXACT 9007199254740992.0
 
 #define PACK(TYPE, LOW, HIGH)                                              \
     for (; i < n; ++i) {                                                   \
@@ -219,11 +233,13 @@ static double* gather(const double* signals, const Piece* pieces, size_t n_piece
         if ((double)((TYPE*)raw)[i] != values[i]) return i; /* fraction */ \
     }                                                                      \
     return n
-#define UNPACK(TYPE)                               \
-    for (; i < n; ++i) {                           \
-        values[i] = (double)((const TYPE*)raw)[i]; \
-        if (!(fabs(values[i]) <= EXACT)) return i; \
-    }                                              \
+/* Compared as integers: 2^53 + 1 is 2^53 as a double. */
+#define UNPACK(TYPE, BEYOND)                      \
+    for (; i < n; ++i) {                          \
+        const TYPE value = ((const TYPE*)raw)[i]; \
+        if (BEYOND) return i;                     \
+        values[i] = (double)value;                \
+    }                                             \
     return n
 
 /* Both return the index of the first value that does not fit, n if all do. */
@@ -249,9 +265,9 @@ static size_t pack(int32_t type, const double* values, size_t n, void* raw) {
         case UINT32:
             PACK(uint32_t, 0, UINT32_MAX);
         case INT64:
-            PACK(int64_t, -EXACT, EXACT);
+            PACK(int64_t, (double)-EXACT, (double)EXACT);
         case UINT64:
-            PACK(uint64_t, 0, EXACT);
+            PACK(uint64_t, 0, (double)EXACT);
         case BOOL8:
             PACK(uint8_t, 0, 1);
         default:
@@ -266,21 +282,21 @@ static size_t unpack(int32_t type, const void* raw, size_t n, double* values) {
             for (; i < n; ++i) values[i] = (double)((const float*)raw)[i];
             return n;
         case INT8:
-            UNPACK(int8_t);
+            UNPACK(int8_t, false);
         case UINT8:
-            UNPACK(uint8_t);
+            UNPACK(uint8_t, false);
         case INT16:
-            UNPACK(int16_t);
+            UNPACK(int16_t, false);
         case UINT16:
-            UNPACK(uint16_t);
+            UNPACK(uint16_t, false);
         case INT32:
-            UNPACK(int32_t);
+            UNPACK(int32_t, false);
         case UINT32:
-            UNPACK(uint32_t);
+            UNPACK(uint32_t, false);
         case INT64:
-            UNPACK(int64_t);
+            UNPACK(int64_t, value > EXACT || value < -EXACT);
         case UINT64:
-            UNPACK(uint64_t);
+            UNPACK(uint64_t, value > (uint64_t)EXACT);
         case BOOL8:
             for (; i < n; ++i) values[i] = ((const uint8_t*)raw)[i] != 0;
             return n;
@@ -309,10 +325,7 @@ static bool execute(Plan* plan, size_t index, double time) {
         const size_t bad = call->raw     ? pack(call->type, call->values, n, call->raw)
                            : call->plain ? n
                                          : first_not_finite(call->values, n);
-        if (bad < n) {
-            return fail(plan, isnan(call->values[bad]) ? NOT_MAPPED : DOES_NOT_FIT, SET, call->component, index, 0,
-                        bad);
-        }
+        if (bad < n) return fail(plan, DOES_NOT_FIT, SET, call->component, index, 0, bad);
     }
     const int status = c->fmi == 2 ? call->access.fmi2(c->instance, call->references, call->n_references, data)
                                    : call->access.fmi3(c->instance, call->references, call->n_references, data, n);
@@ -360,6 +373,12 @@ static bool end_at(Plan* plan, size_t i, int64_t k, double time, double step, bo
     return true;
 }
 
+/* What a callback has answered to a step. */
+static bool stepped(Plan* plan, size_t i, int64_t k, double time, double step, int answer) {
+    if (answer == 2) return end_at(plan, i, k, time, step, false, time + step);
+    return answer ? fail(plan, RAISED, DO_STEP, i, 0, 0, 0) : true;
+}
+
 /* To point k. */
 static bool do_step(Plan* plan, size_t i, int64_t k, double time, double step) {
     Component* c = &plan->components[i];
@@ -367,17 +386,15 @@ static bool do_step(Plan* plan, size_t i, int64_t k, double time, double step) {
     if (!c->do_step.fmi2) {
         const int answer = plan->callback(DO_STEP, (int32_t)i, time, step);
         look_after(plan, c);
-        if (answer == 2) return end_at(plan, i, k, time, step, false, time + step);
-        return answer ? fail(plan, RAISED, DO_STEP, i, 0, 0, 0) : true;
+        return stepped(plan, i, k, time, step, answer);
     }
     bool event = false, terminate = false, early = false;
     double last = time + step; /* which not all FMUs set */
-    const int status = c->fmi == 2 ? c->do_step.fmi2(c->instance, time, step, 1)
-                                   : c->do_step.fmi3(c->instance, time, step, true, &event, &terminate, &early, &last);
+    const int status =
+        c->fmi == 2 ? c->do_step.fmi2(c->instance, time, step, c->never_returns)
+                    : c->do_step.fmi3(c->instance, time, step, c->never_returns, &event, &terminate, &early, &last);
     look_after(plan, c);
-    if (c->fmi == 2 && status == DISCARD && plan->callback(ASK_DISCARDED, (int32_t)i, time, step) == 2) {
-        return end_at(plan, i, k, time, step, false, time + step);
-    }
+    if (status == DISCARD) return stepped(plan, i, k, time, step, plan->callback(DISCARDED, (int32_t)i, time, step));
     if (!good(status)) return fail(plan, STATUS, DO_STEP, i, 0, status, 0);
     if (terminate) return end_at(plan, i, k, time, step, early, last);
     if (early) {

@@ -5,12 +5,33 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from enum import IntEnum
 from typing import Any
 
-ACTIONS = ("get", "set", "solving an algebraic loop", "doStep", "setTime", "setContinuousStates", "getDerivatives")
-"""The calls that the engine makes, by its numbers for them."""
 
-_SOLVE = 2
+class Action(IntEnum):
+    """The calls that the engine makes, with its numbers for them (engine.c); the text is for people."""
+
+    def __new__(cls, number: int, text: str) -> Action:
+        """Give each number its text."""
+        action = int.__new__(cls, number)
+        action._value_, action.text = number, text
+        return action
+
+    text: str
+
+    GET = 0, "get"
+    SET = 1, "set"
+    SOLVE = 2, "solving an algebraic loop"
+    DO_STEP = 3, "doStep"
+    SET_TIME = 4, "setTime"
+    SET_STATES = 5, "setContinuousStates"
+    GET_DERIVATIVES = 6, "getDerivatives"
+    DISCARDED = 7, "doStep"  # what follows a step that was discarded belongs to it
+
+
+ACTIONS = tuple(Action)
+
 _IDLE, _FROM_PYTHON = -1, -2  # what is done instead of a call of the engine
 _TEXT = 256
 
@@ -78,10 +99,10 @@ class Where:
         if not 0 <= doing < len(ACTIONS):
             return k, "", ""
         name = ""
-        if doing != _SOLVE:
+        if doing != Action.SOLVE:
             with suppress(IndexError):
                 name = self.names[place.component]
-        return k, name, ACTIONS[doing]
+        return k, name, ACTIONS[doing].text
 
     @property
     def busy(self) -> tuple[Any, ...] | None:

@@ -192,10 +192,32 @@ MODELS: dict[str, Model] = {
         },
     ),
     "picky": Model(
-        [parameter("longest", 0.03), parameter("stop", 100.0), input_("u", 1.0), counted("steps"), Variable("x")],
+        [
+            *(parameter("longest", 0.03), parameter("stop", 100.0), parameter("unsavable", 0.0)),
+            *(input_("u", 1.0), counted("steps"), Variable("x")),
+        ],
         attributes=VARIABLE_STEP,
         fmi2={"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true"},
         fmi3={"canGetAndSetFMUState": "true", "canSerializeFMUState": "true"},
+    ),
+    "strict": Model(
+        [
+            *(parameter("lenient", 0.0), Variable("gain", "parameter", start=1.0, variability="tunable")),
+            *(input_("u", 1.0), input_("v", 0.0)),
+            *(Variable("x"), Variable("w", depends="u"), Variable("unsaid", depends=None)),
+        ],
+        attributes=VARIABLE_STEP,
+        fmi2={"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true"},
+        fmi3={"canGetAndSetFMUState": "true", "canSerializeFMUState": "true"},
+    ),
+    "eager": Model(
+        [
+            *(parameter("which", 0, "Int32"), parameter("wrong", 0, "Int32")),
+            *(clock("retuned", "tunable"), clock("changed", "changing"), clock("counted", "countdown")),
+            *(counted("ticks", clock="changed"),),
+        ],
+        versions=("3.0",),
+        fmi3=EVENTS,
     ),
     "punctual": Model([Variable("off"), Variable("drift"), Variable("step_seen")], attributes=VARIABLE_STEP),
     "quitter": Model(
@@ -243,6 +265,18 @@ def build(model: str, folder: Path, version: str = "2.0", name: str | None = Non
     return path
 
 
+def changed(path: Path, target: Path, old: str, new: str) -> Path:
+    """Copy an FMU with something else in its modelDescription.xml."""
+    with zipfile.ZipFile(path) as source, zipfile.ZipFile(target, "w") as copy:
+        for name in source.namelist():
+            content = source.read(name)
+            if name == "modelDescription.xml":
+                assert old.encode() in content
+                content = content.replace(old.encode(), new.encode())
+            copy.writestr(name, content)
+    return target
+
+
 def _places(variables: list[Variable]) -> dict[str, int]:
     places, at = {}, 0
     for v in variables:
@@ -257,7 +291,8 @@ def _compile(model: str, variables: list[Variable], places: dict[str, int], bina
     for v in variables:
         at = places[v.name]
         lengths[at] = 0 if v.resizable else v.fixed_size
-        kinds[at] = {"parameter": "p", "structuralParameter": "s"}.get(v.causality, " ")
+        fixed = v.causality == "parameter" and v.variability != "tunable"
+        kinds[at] = "p" if fixed else "s" if v.causality == "structuralParameter" else " "
         if v.clock is not None:
             clocks[at] = places[v.clock]
         for i, value in enumerate(v.starts):

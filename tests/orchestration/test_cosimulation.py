@@ -115,6 +115,8 @@ def test_an_algebraic_loop_is_refused_by_name(mock):
     ],
 )
 def test_a_failing_component_stops_the_run(faulty, version, stepping, mode, rows, time, message):
+    if version == "3.0":  # which takes a step that is discarded in smaller ones
+        message = message.replace("discard", "discard, even in steps of 6.1e-05 s")
     with pytest.raises(RunFailed, match=f"^wheel failed at t = {time} s: ({message}); {rows} rows are kept$") as error:
         run(faulty(version, mode), stop_time=1, step=0.25, stepping=stepping)
     result = error.value.result

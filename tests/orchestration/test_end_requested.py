@@ -69,7 +69,7 @@ def test_with_a_step_it_discards(foreign, version, stepping):
     """FMI 2 has no other way; the values at the last time that was reached are kept."""
     system = pair(foreign("quitter", version), {"at": 0.5, "how": DISCARDED})
     if version == "3.0":  # where discard is no way to end
-        with pytest.raises(RunFailed, match=r"c failed at t = 0.375 s: doStep returned discard: landed"):
+        with pytest.raises(RunFailed, match=r"c failed at t = 0.375 s: doStep returned discard, even in .*: landed"):
             run(system, stop_time=1.0, step=0.125, stepping=stepping)
         return
     result = run(system, stop_time=1.0, step=0.125, stepping=stepping)

@@ -292,11 +292,46 @@ def test_a_step_that_is_discarded_at_any_size(foreign, version):
     )
 
 
-def test_a_discarded_step_of_an_fmu_that_cannot_save_its_state(foreign, version):
-    attribute = {"canGetAndSetFMUstate" if version == "2.0" else "canGetAndSetFMUState": None}
-    text, _ = failed(alone(foreign("picky", version, name="bare", **attribute), {"u": 1.0}), stop_time=1.0, step=0.1)
-    got = ", having got to t = 0.03 s" if version == "2.0" else ""
-    assert text == f"c failed at t = 0 s: doStep returned discard{got}: the step is too long; 1 rows are kept"
+def test_a_discarded_step_of_an_fmi_2_fmu_that_cannot_save_its_state(foreign):
+    system = alone(foreign("picky", "2.0", name="bare", canGetAndSetFMUstate=None), {"u": 1.0})
+    text, _ = failed(system, stop_time=1.0, step=0.1)
+    assert text == (
+        "c failed at t = 0 s: doStep returned discard, having got to t = 0.03 s: the step is too long; 1 rows are kept"
+    )
+
+
+@pytest.mark.parametrize("stepping", STEPPINGS)
+def test_an_fmi_3_fmu_needs_no_saved_state_for_a_discarded_step(foreign, stepping):
+    """The standard promises that it is as before, so the compiled loop steps it, and Python only what is discarded."""
+    fmu = foreign("picky", name="bare", canGetAndSetFMUState=None)
+    system = alone(fmu, {"u": 1.0})
+    with opened(fmu) as instance:
+        assert not instance.special
+    result = run(system, stop_time=1.0, step=0.1, stepping=stepping)
+    assert result["c.steps"].tolist() == [4 * k for k in range(11)]
+    assert result["c.x"] == pytest.approx(0.1 * np.arange(11), abs=1e-14)
+    assert result.manifest["warnings"] == [
+        "c: doStep discarded the step from t = 0 s, it was taken in smaller ones; so were 9 later ones"
+    ]
+
+
+def test_a_state_that_cannot_be_saved_though_it_is_said_ends_no_run_that_had_no_use_for_it(foreign):
+    """Without the way back a discarded step is what it is without the promise."""
+    fmu = foreign("picky", "2.0")
+    start = {"u": 1.0, "unsavable": 1.0}
+    result = run(alone(fmu, start), stop_time=0.3, step=0.03)
+    assert result["c.steps"].tolist() == list(range(11))
+    (warning,) = result.manifest["warnings"]
+    assert warning == (
+        "c: saving the state returned error: there is no memory for it (at t = 0 s); a step that it discards is not "
+        "taken in smaller ones"
+    )
+    text, _ = failed(alone(fmu, start), stop_time=1.0, step=0.1)
+    assert text.startswith(
+        "c failed at t = 0 s: doStep returned discard, having got to t = 0.03 s: the step is too long"
+    )
+    with pytest.raises(RunFailed, match="saving the state returned error: there is no memory for it"):
+        run(alone(fmu, start), stop_time=1.0, step=0.1, adaptive=1e-3)  # which cannot do without
 
 
 def test_an_fmu_that_ends_the_simulation(foreign, version):
@@ -387,21 +422,10 @@ def test_an_execution_tool_that_is_missing_is_named(foreign, version):
         run(alone(foreign("tool", version)), stop_time=1.0, step=1.0)
 
 
-def changed(path, target, old, new):
-    with zipfile.ZipFile(path) as source, zipfile.ZipFile(target, "w") as copy:
-        for name in source.namelist():
-            content = source.read(name)
-            if name == "modelDescription.xml":
-                assert old.encode() in content
-                content = content.replace(old.encode(), new.encode())
-            copy.writestr(name, content)
-    return target
-
-
 def test_scheduled_execution_is_refused_by_name(foreign, tmp_path):
-    path = changed(foreign("counter"), tmp_path / "se.fmu", "<CoSimulation ", "<ScheduledExecution ")
-    path = changed(path, tmp_path / "scheduled.fmu", ' hasEventMode="true"', "")
-    path = changed(path, tmp_path / "se_only.fmu", ' canHandleVariableCommunicationStepSize="true"', "")
+    path = foreign_fmus.changed(foreign("counter"), tmp_path / "se.fmu", "<CoSimulation ", "<ScheduledExecution ")
+    path = foreign_fmus.changed(path, tmp_path / "scheduled.fmu", ' hasEventMode="true"', "")
+    path = foreign_fmus.changed(path, tmp_path / "se_only.fmu", ' canHandleVariableCommunicationStepSize="true"', "")
     with pytest.raises(AdcsError, match=r"^se_only\.fmu has scheduled execution only, which is not supported"):
         run(alone(path), stop_time=1.0, step=1.0)
 
@@ -419,7 +443,7 @@ def test_fmi_1_is_refused_by_name(tmp_path):
 
 
 def test_a_start_value_of_the_wrong_length_is_refused(foreign, tmp_path):
-    path = changed(foreign("sizes"), tmp_path / "short.fmu", 'start="1.0 2.0 3.0"', 'start="1.0 2.0"')
+    path = foreign_fmus.changed(foreign("sizes"), tmp_path / "short.fmu", 'start="1.0 2.0 3.0"', 'start="1.0 2.0"')
     with pytest.raises(
         AdcsError, match=r"short\.fmu is not valid: the start value of u has 2 elements, the variable 3$"
     ):
@@ -428,15 +452,17 @@ def test_a_start_value_of_the_wrong_length_is_refused(foreign, tmp_path):
 
 def test_descriptions_that_fmpy_does_not_read_are_read(foreign, tmp_path):
     clock = '<Clock name="tick" valueReference="0"'
-    path = changed(foreign("counter"), tmp_path / "a.fmu", clock, f'{clock} declaredType="Beat"')
+    path = foreign_fmus.changed(foreign("counter"), tmp_path / "a.fmu", clock, f'{clock} declaredType="Beat"')
     types = '<TypeDefinitions><ClockType name="Beat" intervalVariability="constant"/>'
-    path = changed(path, tmp_path / "b.fmu", "<TypeDefinitions>", types)
-    path = changed(path, tmp_path / "c.fmu", 'clocks="0"', 'clocks=" 0  "')
+    path = foreign_fmus.changed(path, tmp_path / "b.fmu", "<TypeDefinitions>", types)
+    path = foreign_fmus.changed(path, tmp_path / "c.fmu", 'clocks="0"', 'clocks=" 0  "')
     assert run(alone(path), stop_time=0.2, step=0.1)["c.count"].tolist() == [1, 2, 3]
 
 
 def test_time_based_clocks_are_not_for_users_to_tick(foreign):
-    with pytest.raises(AdcsError, match=r"^c\.tick cannot be given a start value: it is a discrete local$"):
+    with pytest.raises(
+        AdcsError, match=r"^c\.tick cannot be given a start value: it is a time-based clock, which ticks by itself$"
+    ):
         alone(foreign("counter"), {"tick": True})
 
 

@@ -94,7 +94,7 @@ def test_inputs_come_from_a_table(fed, tmp_path, version, stepping):
         ("time,gain.u[1]\n0\n", "line 2: 1 values, the first line has 2 names"),
         ("time,gain.u[1]\n0,one\n", "line 2: 'one' is not a number"),
         ("time,gain.u[1]\n0,1\n0,2\n", "inputs: times must be finite and increasing"),
-        ("time,gain.u[1]\n0,nan\n", "inputs: gain.u[1] has values that are not finite"),
+        ("time,gain.u[1]\n0,nan\n", "inputs: gain.u[1] = nan at 0 s is not finite"),
         ("time,gain.u[1]\n", "inputs: times must be finite and increasing, and there must be at least one"),
         ("time,gain.u[1],gain.u[2]\n0,1,2\n", "input gain.u[3] is not connected"),
     ],
@@ -256,3 +256,9 @@ def test_the_header_of_a_result_file_of_pure_numbers_is_understood(tmp_path):
         system.set(f"controller.{name}", value)
     result = run(system, stop_time=1, step=0.5, inputs=table, record=["controller.q_BN"])
     assert result["controller.q_BN"].tolist() == [[1.0, 0.0, 0.0, 0.0]] * 3
+
+
+@pytest.mark.parametrize("stop", [float("nan"), float("inf"), 0.2, 0.31, -1.0])
+def test_the_end_of_a_last_step_is_checked(chain, stop):
+    with pytest.raises(AdcsError, match=rf"^stop_time = {stop} s: step 3 ends after 0\.2 and at 0\.3 s at the latest$"):
+        CoSimulation(chain(), step=0.1, steps=3, stop_time=stop)

@@ -70,6 +70,18 @@ def test_recorded_outputs_come_after_their_inputs():
     assert calls.index("get b.through") > calls.index("set b.u")
 
 
+def test_a_component_that_feeds_nothing_is_read_before_it_is_set():
+    assert order({"a.y": "b.u"}, {}, ["b.x", "a.y"]) == ["get a.y", "get b.x", "set b.u"]
+
+
+def test_reading_first_takes_no_further_call():
+    assert order({"a.y": "b.u"}, {"b.through": ["u"]}, ["b.x", "b.through"]) == [
+        "get a.y",
+        "set b.u",
+        "get b.x,through",
+    ]
+
+
 def test_one_output_feeds_several_inputs():
     assert order({"a.y": "b.u"}, {}) == ["get a.y", "set b.u"]
     operations = schedule({("b", "u"): [("a", "y")], ("c", "u"): [("a", "y")]}, lambda name: [])

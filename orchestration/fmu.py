@@ -19,15 +19,15 @@ from fmpy.model_description import ModelDescription, ModelVariable, ValidationEr
 from fmus import paths
 from fmus.archive import LARGEST_XML, Archive
 from fmus.catalog import find
-from fmus.errors import AdcsError, shown
+from fmus.errors import AdcsError, Unsupported, shown
 from fmus.freshness import warn_if_outdated
+from fmus.readable import for_fmpy, unresolved
 from fmus.xml import parse
 from orchestration.description import (
     Clock,
     Extras,
     check_structure,
     directional_derivatives,
-    for_fmpy,
     read_extras,
 )
 from orchestration.feedthrough import Feedthrough
@@ -176,7 +176,7 @@ class Fmu:
         """Return the description of the interface type; refuse an FMU that does not have it."""
         found = self.model.coSimulation if kind == "co-simulation" else self.model.modelExchange
         if found is None and not (self.model.coSimulation or self.model.modelExchange):
-            raise AdcsError(
+            raise Unsupported(
                 f"{self.path.name} has scheduled execution only, which is not supported: export it otherwise"
             )
         if found is None:
@@ -239,6 +239,8 @@ def _open(path: Path, modified: int, size: int) -> Fmu:
         raise AdcsError(f"{path} is FMI {version}: only 2.0 and 3.0 are supported")
     try:
         check_structure(xml)
+        for problem in unresolved(xml):
+            raise ValueError(problem)
         model = fmpy.read_model_description(for_fmpy(content, xml))
         extras = read_extras(xml)
         ports, node_of = _unite(model, extras)
@@ -299,7 +301,7 @@ def extracted(fmu: Fmu, kind: Kind) -> Iterator[tuple[Path, Path]]:
         names = archive.names
         found = [binary for binary in fmu.binaries(kind) if str(binary) in names]
         if not found:
-            raise AdcsError(
+            raise Unsupported(
                 f"{fmu.path.name} has no binary for this platform ({fmu.binaries(kind)[0]} is missing, it has: "
                 f"{', '.join(_platforms(names)) or 'none'}): build it for this platform"
             )

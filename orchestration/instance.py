@@ -17,7 +17,7 @@ from typing import Any
 from fmpy import calloc, fmi2, fmi3, free
 from fmpy.fmi1 import FMICallException, printLogMessage
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, Unsupported
 from orchestration.events import Events
 from orchestration.fmu import Fmu, Kind, Port
 from orchestration.grid import SNAP
@@ -119,7 +119,7 @@ class Instance:
         self._stepper: Stepper | None = None
         clocks = ", ".join(c.name for c in fmu.clocks)
         if clocks and (kind == "model-exchange" or not interface.hasEventMode):
-            raise AdcsError(
+            raise Unsupported(
                 f"{name} ({fmu.path.name}) has clocks ({clocks}), which are supported in co-simulation with event mode "
                 "only: run the system with method 'co-simulation'"
             )

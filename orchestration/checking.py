@@ -1,0 +1,65 @@
+"""What `adcs run` refuses of an FMU, as findings beside those of `fmus.check`: both judge alike."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from fmus.check import Finding
+from fmus.check import check as check_file
+from fmus.checks import Note
+from fmus.checks.behaviour import check_behaviour, initialised, report
+from fmus.errors import AdcsError, Unsupported
+from orchestration.fmu import Kind, open_fmu
+from orchestration.grid import Grid
+from orchestration.named import find_system
+from orchestration.run import run
+
+_UNREAD = "modelDescription.xml cannot be read: "
+
+
+def check(path: Path | str) -> list[Finding]:
+    """Everything found in the FMU at `path` that `fmus.check` or a run finds; empty if it is fine."""
+    findings = check_file(path, lambda p: check_behaviour(p, __name__))
+    try:
+        open_fmu(Path(path))
+    except AdcsError as error:
+        text = str(error)
+        found = [f for f in findings if not f.message.startswith(_UNREAD)]  # which is less than what `text` says
+        if any(f.severity == "fault" and f.message in text for f in found):
+            return found
+        return [*found, Finding("run", text, "note" if isinstance(error, Unsupported) else "fault")]
+    return findings
+
+
+def first_steps(path: Path) -> Iterator[str]:
+    """Initialise it as a run does, by each of its interfaces, and take one step."""
+    fmu = open_fmu(path)
+    interfaces: dict[Kind, object] = {
+        "co-simulation": fmu.model.coSimulation,
+        "model-exchange": fmu.model.modelExchange,
+    }
+    for kind in [kind for kind, there in interfaces.items() if there] or interfaces:
+        try:
+            entry = find_system(str(path))
+            Grid.make(entry.start_time, entry.stop_time, entry.step, lambda: None)
+            stop = entry.start_time + entry.step
+            run(entry.build(), start_time=entry.start_time, stop_time=stop, step=entry.step, method=kind)
+        except Unsupported as error:
+            yield Note(str(error))
+        except AdcsError as error:
+            yield f"a run by {kind} ends: {error}"
+
+
+def _all(path: Path) -> Iterator[str]:
+    sound = True
+    for finding in initialised(path):
+        sound = sound and (isinstance(finding, Note) or " starts at " in finding)
+        yield finding
+    if sound:  # else a run fails for what is said already
+        yield from first_steps(path)
+
+
+if __name__ == "__main__":
+    report(_all(Path(sys.argv[1])))

@@ -32,7 +32,10 @@ def for_fmpy(content: bytes, root: Any) -> io.BytesIO:
 
 
 def unresolved(root: Any) -> Iterator[str]:
-    """Name the variables of FMI 3 whose sizes or clocks refer to what is not there, or to a size without a value."""
+    """Name the variables whose display unit has no unit, and in FMI 3 sizes and clocks that are not there."""
+    yield from _display_units(root)
+    if not root.get("fmiVersion", "").startswith("3."):
+        return
     variables = [element for element in root.iterfind("ModelVariables/*") if isinstance(element.tag, str)]
     known = {element.get("valueReference"): element for element in variables}
     for element in variables:
@@ -47,3 +50,19 @@ def unresolved(root: Any) -> Iterator[str]:
             elif not (text := known[number].get("start", "")).strip().isdecimal():
                 name = known[number].get("name")
                 yield f"{element.get('name')}: its size {name} starts at {text or 'nothing'}, expected a whole number"
+
+
+def _display_units(root: Any) -> Iterator[str]:
+    types = {element.get("name"): element for element in root.iterfind("TypeDefinitions/*")}
+    for variable in root.iterfind("ModelVariables/*"):
+        of_fmi2 = variable.tag == "ScalarVariable"
+        carrier = variable[0] if of_fmi2 and len(variable) else variable
+        declared = types.get(carrier.get("declaredType"))
+        definition = declared[0] if of_fmi2 and declared is not None and len(declared) else declared
+        if carrier.get("unit") is None and (definition is None or definition.get("unit") is None):
+            for element, name in [
+                (carrier, variable.get("name")),
+                *((a, a.get("name")) for a in variable.iter("Alias")),
+            ]:
+                if element.get("displayUnit") is not None:
+                    yield f"{name}: display unit {element.get('displayUnit')}, but no unit is given"

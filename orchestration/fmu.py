@@ -175,6 +175,10 @@ class Fmu:
     def interface(self, kind: Kind) -> Any:
         """Return the description of the interface type; refuse an FMU that does not have it."""
         found = self.model.coSimulation if kind == "co-simulation" else self.model.modelExchange
+        if found is None and not (self.model.coSimulation or self.model.modelExchange or self.model.scheduledExecution):
+            raise AdcsError(
+                f"{self.path.name} has neither a co-simulation nor a model-exchange interface: export it so"
+            )
         if found is None and not (self.model.coSimulation or self.model.modelExchange):
             raise Unsupported(
                 f"{self.path.name} has scheduled execution only, which is not supported: export it otherwise"

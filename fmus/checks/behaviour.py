@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from contextlib import chdir
 from pathlib import Path
 from typing import Any
 
@@ -72,7 +73,9 @@ def initialised(path: Path) -> Iterator[str]:
     texts = _texts(root)
     model = fmpy.read_model_description(for_fmpy(content, root), validate=False)
     is_fmi2 = not model.fmiVersion.startswith("3.")
-    folders = [fmpy.platform, fmpy.platform_tuple] if is_fmi2 else [fmpy.platform_tuple]  # in FMI 2 since 2.0.4
+    folders = [fmpy.platform_tuple]  # in FMI 2 since 2.0.4
+    if is_fmi2 and fmpy.platform_tuple != "aarch64-linux":  # which is not FMI 2's linux64
+        folders.insert(0, fmpy.platform)
     experiment = model.defaultExperiment
     start = float(experiment.startTime or 0.0) if experiment else 0.0
     interfaces = {
@@ -91,14 +94,15 @@ def initialised(path: Path) -> Iterator[str]:
             where = {"libraryPath": str(libraries[0])} if is_fmi2 else {}
 
             def instance(token: str, interface=interface, fmu_class=fmu_class, where=where, **settings):  # type: ignore[no-untyped-def]
-                fmu = fmu_class(
-                    guid=token,
-                    modelIdentifier=interface.modelIdentifier,
-                    unzipDirectory=unzipped,
-                    instanceName="check",
-                    **where,
-                )
-                fmu.instantiate(**settings)
+                with chdir("."):  # which fmpy changes, and leaves so if loading fails
+                    fmu = fmu_class(
+                        guid=token,
+                        modelIdentifier=interface.modelIdentifier,
+                        unzipDirectory=unzipped,
+                        instanceName="check",
+                        **where,
+                    )
+                    fmu.instantiate(**settings)
                 return fmu
 
             events: dict[str, bool] = {}
@@ -117,8 +121,9 @@ def initialised(path: Path) -> Iterator[str]:
                     events = _EVENTS  # which some need
                     fmu = instance(model.guid, **events)
                     print()
-            except Exception:
+            except Exception as error:
                 text = f"{name} cannot be instantiated with the token of the XML, {model.guid}"
+                text += "" if "instantiate" in str(error) else f": {error}"  # but cannot even be loaded
                 yield Note(f"{text}: it needs the tool that made it") if interface.needsExecutionTool else text
                 continue
             try:

@@ -32,7 +32,8 @@ def check_schema(root: Any) -> Iterator[str]:
         return
     schema = etree.XMLSchema(file=str(file))
     if not schema.validate(root):
-        yield from (f"line {error.line}: {error.message}" for error in schema.error_log)
+        for error in schema.error_log:
+            yield f"{error.level_name} (line {error.line}, column {error.column}): {error.message}"  # as fmpy has it
 
 
 def check_standard(model: ModelDescription) -> Iterator[str]:
@@ -95,6 +96,7 @@ def check_dimensions(root: Any) -> Iterator[str]:
 def check_variables(model: ModelDescription, root: Any) -> Iterator[str]:
     """Derivatives, starts, bounds, units. `root` is the XML, for what fmpy does not read of it."""
     elsewhere = {start.getparent().get("name") for start in root.iterfind("ModelVariables/*/Start")}  # texts, bytes
+    bounds = {v.get("name"): (v.get("min"), v.get("max")) for v in root.iterfind("ModelVariables/*")}  # of FMI 3
     units = {unit.name: {display.name for display in unit.displayUnits} for unit in model.unitDefinitions}
     for v in model.modelVariables:
         unit = v.unit or (v.declaredType.unit if v.declaredType else None)
@@ -110,7 +112,12 @@ def check_variables(model: ModelDescription, root: Any) -> Iterator[str]:
             if v.causality in ("input", "parameter") or v.initial in ("exact", "approx"):
                 yield f"{v.name}: start is missing, expected {_shape(v)}"
         elif v.type not in ("String", "Binary"):
-            yield from _check_start(v)
+            low, high = bounds[v.name]  # which fmpy does not read of unsigned integers
+            low, high = v.min if low is None else low, v.max if high is None else high
+            if v.declaredType is not None:
+                low = v.declaredType.min if low is None else low
+                high = v.declaredType.max if high is None else high
+            yield from _check_start(v, low, high)
     states = [u.variable.derivative for u in model.derivatives if u.variable.derivative is not None]
     for state in {s.name for s in states if states.count(s) > 1}:
         yield f"{state}: several variables in the model structure are its derivative"
@@ -155,7 +162,7 @@ def _check_derivative(v: ModelVariable, state: ModelVariable) -> Iterator[str]:
         yield f"{v.name}: is said to be the derivative of {state.name}, which has {_shape(state)}, not {_shape(v)}"
 
 
-def _check_start(v: ModelVariable) -> Iterator[str]:
+def _check_start(v: ModelVariable, low: str | None, high: str | None) -> Iterator[str]:
     size = math.prod(v.shape)
     values = str(v.start).split()
     if len(values) not in (size, 1):  # one value may stand for all elements
@@ -170,10 +177,10 @@ def _check_start(v: ModelVariable) -> Iterator[str]:
             continue
         if not math.isfinite(value):
             yield f"{v.name}: start {value} is not finite"
-        elif v.min is not None and value < float(v.min):
-            yield f"{v.name}: start {value:g} is below min {v.min}"
-        elif v.max is not None and value > float(v.max):
-            yield f"{v.name}: start {value:g} is above max {v.max}"
+        elif low is not None and value < float(low):
+            yield f"{v.name}: start {value:g} is below min {low}"
+        elif high is not None and value > float(high):
+            yield f"{v.name}: start {value:g} is above max {high}"
 
 
 def _shape(v: ModelVariable) -> str:

@@ -6,8 +6,8 @@ import sys
 from pathlib import Path
 from typing import get_args
 
-from fmus.check import check
 from fmus.paths import BUILD
+from orchestration.checking import check
 from orchestration.fmu import Kind
 
 from .sources import build, commit

@@ -12,7 +12,7 @@ from fmus.checks import Note
 from fmus.checks.behaviour import check_behaviour, initialised, report
 from fmus.errors import AdcsError, Unsupported
 from orchestration.cosim import rigid
-from orchestration.fmu import Kind, open_fmu
+from orchestration.fmu import Fmu, Kind, open_fmu
 from orchestration.grid import Grid
 from orchestration.named import find_system
 from orchestration.run import run
@@ -50,6 +50,7 @@ def first_steps(path: Path) -> Iterator[str]:
             entry = find_system(str(path))
             start, step = entry.start_time, entry.step
             Grid.make(start, entry.stop_time, step, lambda: None)
+            step = min(step, _internal_step(fmu) or step)
             run(entry.build(), start_time=start, stop_time=start + step, step=step, method=kind)
         except Unsupported as error:
             yield Note(str(error))
@@ -58,6 +59,13 @@ def first_steps(path: Path) -> Iterator[str]:
         else:
             if kind == "co-simulation":
                 yield from _last_step(entry)
+
+
+def _internal_step(fmu: Fmu) -> float | None:
+    """Return the step (s) of an FMU with a fixed one, where its default experiment names none: a run may be long."""
+    experiment = fmu.model.defaultExperiment
+    internal = getattr(fmu.model.coSimulation, "fixedInternalStepSize", None)
+    return float(internal) if internal and not (experiment and experiment.stepSize) else None
 
 
 def _last_step(entry: SystemEntry) -> Iterator[str]:

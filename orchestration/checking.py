@@ -45,7 +45,8 @@ def first_steps(path: Path) -> Iterator[str]:
         "co-simulation": fmu.model.coSimulation,
         "model-exchange": fmu.model.modelExchange,
     }
-    for kind in [kind for kind, there in interfaces.items() if there] or interfaces:
+    kinds: list[Kind] = [kind for kind, there in interfaces.items() if there]
+    for kind in kinds or ["co-simulation"]:  # which is refused then
         try:
             entry = find_system(str(path))
             start, step = entry.start_time, entry.step

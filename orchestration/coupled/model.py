@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, Unsupported
 from orchestration.engine import Engine
 from orchestration.fmu import FmiVersion
 from orchestration.instance import CallFailed, EndRequested, Instance, failing_at
@@ -261,7 +261,7 @@ def _refuse(system: System, version: FmiVersion) -> None:
             )
         fmu = component.open(version)
         if fmu.clocks:
-            raise AdcsError(
+            raise Unsupported(
                 f"{component.name} ({fmu.path.name}) has the clock {fmu.clocks[0].name}, and coupled Model Exchange "
                 "ticks none: use the method 'co-simulation'"
             )

@@ -72,6 +72,8 @@ def test_what_a_run_refuses_is_found(folder: Path, odd: Odd) -> None:
     assert any(odd.run in text for text in said), said
     findings = found(path, "note" if odd.note else "fault")
     assert any((odd.check or odd.run) in message for message in findings), findings
+    if odd.note:
+        assert found(path, "fault") == []
 
 
 @pytest.mark.skipif(os.name == "nt", reason="the loader of Windows does not crash")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fmus.check import Finding
 from fmus.check import check as check_file
-from fmus.checks import Note
+from fmus.checks import Failure, Note
 from fmus.checks.behaviour import check_behaviour, initialised, report
 from fmus.errors import AdcsError, Unsupported
 from orchestration.cosim import rigid
@@ -56,7 +56,8 @@ def first_steps(path: Path) -> Iterator[str]:
         except Unsupported as error:
             yield Note(str(error))
         except AdcsError as error:
-            yield f"a run by {kind} ends: {error}"
+            text = f"a run by {kind} ends: {error}"
+            yield Note(text) if getattr(interfaces[kind], "needsExecutionTool", False) else text
         else:
             if kind == "co-simulation":
                 yield from _last_step(entry)
@@ -81,7 +82,7 @@ def behaviour(path: Path) -> Iterator[str]:
     """What is found by running it, in this process."""
     sound = True
     for finding in initialised(path):
-        sound = sound and (isinstance(finding, Note) or " starts at " in finding)
+        sound = sound and not isinstance(finding, Failure)
         yield finding
     if sound:  # else a run fails for what is said already
         yield from first_steps(path)

@@ -17,13 +17,14 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 from fmpy.model_description import ModelDescription
 
 from fmus.archive import LARGEST_XML, Archive
-from fmus.checks import Note
+from fmus.checks import Failure, Note
 from fmus.paths import PACKAGE
 from fmus.readable import for_fmpy
 from fmus.xml import parse
 
 _MARKS = {"finding: ": str, "note: ": Note}
 _SECONDS = 60
+_FATAL = 4  # of fmi2Status and fmi3Status
 _EVENTS = {"eventModeUsed": True, "earlyReturnAllowed": True}
 
 
@@ -124,7 +125,7 @@ def initialised(path: Path) -> Iterator[str]:
             except Exception as error:
                 text = f"{name} cannot be instantiated with the token of the XML, {model.guid}"
                 text += "" if "instantiate" in str(error) else f": {error}"  # but cannot even be loaded
-                yield Note(f"{text}: it needs the tool that made it") if interface.needsExecutionTool else text
+                yield Note(f"{text}: it needs the tool that made it") if interface.needsExecutionTool else Failure(text)
                 continue
             try:
                 if is_fmi2:
@@ -135,7 +136,9 @@ def initialised(path: Path) -> Iterator[str]:
                 yield from (f"{name}: {problem}" for problem in _check_starts(fmu, model, texts))
                 fmu.exitInitializationMode()
             except Exception as error:
-                yield f"{name} cannot be initialised with the start values of the XML: {error}"
+                yield Failure(f"{name} cannot be initialised with the start values of the XML: {error}")
+                if getattr(error, "status", None) == _FATAL:  # after which nothing may be called
+                    continue
             else:
                 try:
                     fmu.terminate()

@@ -258,6 +258,7 @@ STRICTER = [
     ),
 ]
 REFUSED = [
+    Odd("the tool that made it", "tool", "2.0", run="it needs the tool that made it", note=True),
     Odd("alias of the same name", "sizes", "3.0", last("total", '<Alias name="y"/>'), check='"y"'),
     Odd(
         "display unit of an alias", "sizes", "3.0", last("total", '<Alias name="sum" displayUnit="gon"/>'), check="gon"

@@ -1,7 +1,7 @@
 """Checks an FMU, own or foreign, more strictly than any one validator does."""
 
 import zipfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -12,8 +12,17 @@ from fmus.archive import LARGEST_XML, Archive
 from fmus.checks import Note
 from fmus.checks.archive import check_archive, check_layout, check_members
 from fmus.checks.behaviour import check_behaviour
-from fmus.checks.description import check_companions, check_dependencies, check_standard, check_variables
+from fmus.checks.description import (
+    check_companions,
+    check_dependencies,
+    check_dimensions,
+    check_schema,
+    check_standard,
+    check_variables,
+)
 from fmus.errors import AdcsError
+from fmus.readable import for_fmpy
+from fmus.references import unresolved
 from fmus.xml import parse
 
 
@@ -22,18 +31,22 @@ class Finding:
     """Something found in an FMU."""
 
     rule: str
-    """Which check found it: archive, layout, standard, companions, variables, dependencies, binaries, behaviour."""
+    """Which check found it: archive, layout, standard, companions, variables, dependencies, binaries, behaviour, run;
+    the last one is about what `adcs run` refuses."""
     message: str
     severity: Literal["fault", "note"] = "fault"
     """A note is about what no standard forbids, but what some machine or tool cannot do with."""
 
 
-def check(path: Path | str) -> list[Finding]:
-    """Everything found in the FMU at `path`; empty if it is fine. It need not exist or be a ZIP file."""
-    return list(dict.fromkeys(_check(Path(path))))
+def check(path: Path | str, behaviour: Callable[[Path], Iterable[str]] | None = None) -> list[Finding]:
+    """Everything found in the FMU at `path`; empty if it is fine. It need not exist or be a ZIP file.
+
+    `behaviour` is what runs it, instead of what `check_behaviour` does; `adcs check` takes a first step as well.
+    """
+    return list(dict.fromkeys(_check(Path(path), behaviour or check_behaviour)))
 
 
-def _check(path: Path) -> Iterator[Finding]:
+def _check(path: Path, behaviour: Callable[[Path], Iterable[str]]) -> Iterator[Finding]:
     from fmus.checks.binary import check_binary  # not at the top: the library behind it takes a second to load
 
     try:
@@ -48,10 +61,17 @@ def _check(path: Path) -> Iterator[Finding]:
             with Archive(path) as safe:
                 in_archive = list(_found("archive", check_archive(archive)))
                 yield from in_archive
-                root, model = _description(safe)
-                yield from _found("standard", check_standard(path))
+                content, root = _document(safe)
+                wrong = [*_found("standard", check_schema(root)), *_found("standard", unresolved(root))]
+                yield from wrong
+                yield from _found("variables", check_dimensions(root))
+                model = _description(content, root)
+                if not wrong:
+                    yield from _found("standard", check_standard(model))
                 interfaces = [i for i in (model.modelExchange, model.coSimulation, model.scheduledExecution) if i]
-                yield from _found("layout", check_layout(safe, {i.modelIdentifier for i in interfaces}))
+                yield from _found(
+                    "layout", check_layout(safe, {i.modelIdentifier for i in interfaces}, model.fmiVersion)
+                )
                 yield from _found("companions", check_companions(safe, model))
                 yield from _found("variables", check_variables(model, root))
                 yield from _found("dependencies", check_dependencies(model))
@@ -67,20 +87,28 @@ def _check(path: Path) -> Iterator[Finding]:
             yield from in_archive or [Finding("archive", str(error))]
             return
     if not any(finding.severity == "fault" for finding in in_archive):
-        yield from _found("behaviour", check_behaviour(path))
+        yield from _found("behaviour", behaviour(path))
 
 
 class _Unreadable(Exception):
     """A description that cannot be looked at further."""
 
 
-def _description(archive: Archive) -> tuple[Any, Any]:
-    """Return the root element of modelDescription.xml, and what fmpy makes of it."""
+def _document(archive: Archive) -> tuple[bytes, Any]:
+    """Return modelDescription.xml and its root element."""
     try:
         if "modelDescription.xml" not in archive.names:
             raise AdcsError("there is none")
-        root = parse(archive.read("modelDescription.xml", LARGEST_XML), "modelDescription.xml")
-        return root, fmpy.read_model_description(str(archive.path), validate=False)
+        content = archive.read("modelDescription.xml", LARGEST_XML)
+        return content, parse(content, "modelDescription.xml")
+    except AdcsError as error:
+        raise _Unreadable(f"modelDescription.xml cannot be read: {' '.join(str(error).split())}") from error
+
+
+def _description(content: bytes, root: Any) -> Any:
+    """Return what fmpy makes of modelDescription.xml."""
+    try:
+        return fmpy.read_model_description(for_fmpy(content, root), validate=False)
     except Exception as error:  # what is wrong in a way that fmpy has not thought of
         raise _Unreadable(f"modelDescription.xml cannot be read: {' '.join(str(error).split())}") from error
 

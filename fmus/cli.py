@@ -2,6 +2,7 @@
 
 import json
 import sys
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
@@ -132,6 +133,11 @@ def check_command(
 
     Examples: `adcs check` · `adcs check RigidBody` · `adcs check path/to/some.fmu`
     """
+    show_findings(fmus or [], as_json, check)
+
+
+def show_findings(fmus: Sequence[str], as_json: bool, check: Callable[[Path], list[Finding]]) -> None:
+    """Print what `check` finds in components or files, all that are built if none is named; typer.Exit for faults."""
     paths = [path for fmu in fmus for path in _fmu_paths(fmu)] if fmus else _all_built()
     findings: dict[Path, list[Finding]] = {}
     with _err.status("checking ...") as status:

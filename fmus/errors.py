@@ -5,6 +5,10 @@ class AdcsError(Exception):
     """A refusal in one line: what is wrong, with its value, and the way out."""
 
 
+class Unsupported(AdcsError):
+    """A refusal of what no standard forbids, but what is not done here, or not on this machine."""
+
+
 def shown(text: str, most: int = 200) -> str:
     """Return a text that a user wrote as it may stand in a line: without breaks, and not endless."""
     line = "".join(c if c.isprintable() else " " for c in text)

@@ -105,6 +105,7 @@ def fmi3(d: Description) -> bytes:
         "canGetAndSetFMUState": True,
         "canSerializeFMUState": True,
         "providesDirectionalDerivatives": d.differentiable,
+        "providesAdjointDerivatives": d.differentiable,
     }
     _add(root, "ModelExchange", flags)
     _add(root, "CoSimulation", flags | {"canHandleVariableCommunicationStepSize": True, "hasEventMode": False})

@@ -9,6 +9,7 @@ import typer
 import fmus.cli
 import hil_bridge.cli
 import hil_bridge.hil.cli
+import orchestration.check_cli
 import orchestration.info_cli
 import orchestration.linear_cli
 import orchestration.recover_cli
@@ -25,6 +26,7 @@ app = typer.Typer(
 )
 for _part in (
     fmus.cli.app,
+    orchestration.check_cli.app,  # its `check` runs them as well
     orchestration.info_cli.app,  # its `info` takes files as well
     orchestration.run_cli.app,
     orchestration.recover_cli.app,

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import io
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
-
-from lxml import etree
 
 TIME_BASED = ("constant", "fixed", "tunable", "changing", "countdown")
 PERIODIC = ("constant", "fixed", "tunable")
@@ -51,27 +47,6 @@ class Extras:
     relative: frozenset[str] = frozenset()
     limits: Mapping[str, tuple[int | None, int | None]] = field(default_factory=dict)
     """The least and the largest value of each structural parameter of an unsigned type that declares any."""
-
-
-def for_fmpy(content: bytes, root: Any) -> io.BytesIO:
-    """Return an archive of what fmpy can read of a description: without what it stumbles over though it is valid.
-
-    That is a declared type of a clock, and more than one space between the entries of a list.
-    """
-    cleaned = False
-    for element in root.iter("Clock"):
-        cleaned = element.attrib.pop("declaredType", None) is not None or cleaned
-    for element in root.iter():
-        for name in ("dependencies", "dependenciesKind", "clocks"):
-            text = element.get(name)
-            if text is not None and text != " ".join(text.split()):
-                element.set(name, " ".join(text.split()))
-                cleaned = True
-    archive = io.BytesIO()
-    with zipfile.ZipFile(archive, "w") as writer:
-        writer.writestr("modelDescription.xml", etree.tostring(root) if cleaned else content)
-    archive.seek(0)
-    return archive
 
 
 def check_structure(root: Any) -> None:

@@ -19,21 +19,21 @@ from fmpy.model_description import ModelDescription, ModelVariable, ValidationEr
 from fmus import paths
 from fmus.archive import LARGEST_XML, Archive
 from fmus.catalog import find
-from fmus.errors import AdcsError, shown
+from fmus.errors import AdcsError, Unsupported, shown
 from fmus.freshness import warn_if_outdated
+from fmus.readable import for_fmpy
+from fmus.references import unresolved
 from fmus.xml import parse
 from orchestration.description import (
     Clock,
     Extras,
     check_structure,
     directional_derivatives,
-    for_fmpy,
     read_extras,
 )
 from orchestration.feedthrough import Feedthrough
 from orchestration.isolation.temporary import temporary_folder
 from orchestration.nodes import Nodes
-from orchestration.references import check_references
 
 FmiVersion = Literal["2.0", "3.0"]
 Kind = Literal["co-simulation", "model-exchange"]
@@ -188,8 +188,12 @@ class Fmu:
     def interface(self, kind: Kind) -> Any:
         """Return the description of the interface type; refuse an FMU that does not have it."""
         found = self.model.coSimulation if kind == "co-simulation" else self.model.modelExchange
-        if found is None and not (self.model.coSimulation or self.model.modelExchange):
+        if found is None and not (self.model.coSimulation or self.model.modelExchange or self.model.scheduledExecution):
             raise AdcsError(
+                f"{self.path.name} has neither a co-simulation nor a model-exchange interface: export it so"
+            )
+        if found is None and not (self.model.coSimulation or self.model.modelExchange):
+            raise Unsupported(
                 f"{self.path.name} has scheduled execution only, which is not supported: export it otherwise"
             )
         if found is None:
@@ -206,7 +210,7 @@ class Fmu:
         what = f"{name} ({self.path.name})" if name else self.path.name
         way = "run the system with method 'co-simulation'" if event_mode else "it has none, export it with event mode"
         clocks = ", ".join(c.name for c in self.clocks)
-        raise AdcsError(
+        raise Unsupported(
             f"{what} has clocks ({clocks}), which are supported in co-simulation with event mode only: {way}"
         )
 
@@ -284,7 +288,8 @@ def _open(path: Path, modified: int, size: int) -> Fmu:
         raise AdcsError(f"{path} is FMI {version}: only 2.0 and 3.0 are supported")
     try:
         check_structure(xml)
-        check_references(xml)
+        for problem in unresolved(xml):
+            raise ValueError(problem)
         model = fmpy.read_model_description(for_fmpy(content, xml))
         extras = read_extras(xml)
         ports, places = _unite(model, extras)
@@ -345,7 +350,7 @@ def extracted(fmu: Fmu, kind: Kind) -> Iterator[tuple[Path, Path]]:
         names = archive.names
         found = [binary for binary in fmu.binaries(kind) if str(binary) in names]
         if not found:
-            raise AdcsError(
+            raise Unsupported(
                 f"{fmu.path.name} has no binary for this platform ({fmu.binaries(kind)[0]} is missing, it has: "
                 f"{', '.join(_platforms(names)) or 'none'}): build it for this platform"
             )

@@ -5,3 +5,9 @@ class Note(str):
     """A sentence about what no standard forbids, but what some machine or tool cannot do with."""
 
     __slots__ = ()
+
+
+class Failure(str):
+    """A sentence about an interface that cannot be initialised: what comes of running it is said with it."""
+
+    __slots__ = ()

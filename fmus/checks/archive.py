@@ -32,6 +32,16 @@ _SUFFIXES = {
     "x86-windows": ".dll",
 }
 
+_ONLY_IN_FMI2 = {
+    "linux64": "x86_64-linux",
+    "win64": "x86_64-windows",
+    "darwin64": "x86_64-darwin or aarch64-darwin",
+    "linux32": "x86-linux",
+    "win32": "x86-windows",
+    "darwin32": "x86-darwin",
+}
+"""Names of platforms, and how FMI 3 calls them."""
+
 
 def check_archive(archive: zipfile.ZipFile) -> Iterator[str]:
     """Paths that unpack safely everywhere, and compression that every tool reads."""
@@ -66,7 +76,7 @@ def check_members(archive: zipfile.ZipFile) -> Iterator[str]:
             yield f"{name} is a symbolic link"
 
 
-def check_layout(archive: Archive, identifiers: set[str]) -> Iterator[str]:
+def check_layout(archive: Archive, identifiers: set[str], fmi_version: str) -> Iterator[str]:
     """Files where the standards want them; `identifiers` are the model identifiers."""
     files = {name for name in archive.names if not name.endswith("/")}
     for top in sorted({PurePosixPath(name).parts[0] for name in files} - _TOP_LEVEL):
@@ -82,6 +92,8 @@ def check_layout(archive: Archive, identifiers: set[str]) -> Iterator[str]:
         if folder not in _SUFFIXES:
             yield Note(f"binaries/{folder} is no platform: known are {', '.join(_SUFFIXES)}")
             continue
+        if fmi_version.startswith("3.") and folder in _ONLY_IN_FMI2:
+            yield f"binaries/{folder} is a platform of FMI 2, expected {_ONLY_IN_FMI2[folder]}"
         expected = {identifier + _SUFFIXES[folder] for identifier in identifiers}
         for name in sorted(expected - contents):
             yield f"binaries/{folder}/{name} is missing"

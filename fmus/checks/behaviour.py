@@ -2,27 +2,38 @@
 
 import math
 import os
+import struct
 import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from contextlib import chdir
 from pathlib import Path
+from typing import Any
 
 import fmpy
 from fmpy.fmi2 import FMU2Model, FMU2Slave
 from fmpy.fmi3 import FMU3Model, FMU3Slave
 from fmpy.model_description import ModelDescription
 
-from fmus.checks import Note
+from fmus.archive import LARGEST_XML, Archive
+from fmus.checks import Failure, Note
 from fmus.paths import PACKAGE
+from fmus.readable import for_fmpy
+from fmus.xml import parse
 
 _MARKS = {"finding: ": str, "note: ": Note}
 _SECONDS = 60
+_FATAL = 4  # of fmi2Status and fmi3Status
+_EVENTS = {"eventModeUsed": True, "earlyReturnAllowed": True}
 
 
-def check_behaviour(path: Path) -> Iterator[str]:
-    """Instantiates and initialises each interface with the values of the XML; nothing if this platform is not in it."""
-    command = [sys.executable, "-m", __name__, str(path)]
+def check_behaviour(path: Path, module: str = __name__) -> Iterator[str]:
+    """Instantiates and initialises each interface with the values of the XML; nothing if this platform is not in it.
+
+    `module` is what is run, with the path as its argument: it prints by `report`.
+    """
+    command = [sys.executable, "-m", module, str(path)]
     try:
         result = subprocess.run(
             command,
@@ -33,7 +44,7 @@ def check_behaviour(path: Path) -> Iterator[str]:
             check=False,
         )
     except subprocess.TimeoutExpired:
-        yield f"instantiating does not end within {_SECONDS} s"
+        yield f"instantiating, initialising and a first step do not end within {_SECONDS} s"
         return
     said = ""
     for line in result.stdout.splitlines():
@@ -49,10 +60,25 @@ def check_behaviour(path: Path) -> Iterator[str]:
         yield f"instantiating ends with exit code {result.returncode}: {last_words[0]}"
 
 
-def _try(path: Path) -> Iterator[str]:
-    model = fmpy.read_model_description(str(path), validate=False)
-    is_fmi2 = model.fmiVersion == "2.0"
-    folder = fmpy.platform if is_fmi2 else fmpy.platform_tuple
+def report(findings: Iterator[str]) -> None:
+    """Print what is found, in the process of its own."""
+    for finding in findings:
+        print(("note: " if isinstance(finding, Note) else "finding: ") + " ".join(finding.split()), flush=True)
+
+
+def initialised(path: Path) -> Iterator[str]:
+    """Do it in this process."""
+    with Archive(path) as archive:
+        content = archive.read("modelDescription.xml", LARGEST_XML)
+    root = parse(content, "modelDescription.xml")
+    texts = _texts(root)
+    model = fmpy.read_model_description(for_fmpy(content, root), validate=False)
+    is_fmi2 = not model.fmiVersion.startswith("3.")
+    folders = [fmpy.platform_tuple]  # in FMI 2 since 2.0.4
+    if is_fmi2 and fmpy.platform_tuple != "aarch64-linux":  # which is not FMI 2's linux64
+        folders.insert(0, fmpy.platform)
+    experiment = model.defaultExperiment
+    start = float(experiment.startTime or 0.0) if experiment else 0.0
     interfaces = {
         "ModelExchange": (model.modelExchange, FMU2Model if is_fmi2 else FMU3Model),
         "CoSimulation": (model.coSimulation, FMU2Slave if is_fmi2 else FMU3Slave),
@@ -62,41 +88,65 @@ def _try(path: Path) -> Iterator[str]:
         for name, (interface, fmu_class) in interfaces.items():
             if interface is None:
                 continue
-            library = Path(unzipped, "binaries", folder, interface.modelIdentifier + fmpy.sharedLibraryExtension)
-            if not library.is_file():
+            file = interface.modelIdentifier + fmpy.sharedLibraryExtension
+            libraries = [path for f in folders if (path := Path(unzipped, "binaries", f, file)).is_file()]
+            if not libraries:
                 continue
+            where = {"libraryPath": str(libraries[0])} if is_fmi2 else {}
 
-            def instance(token: str, interface=interface, fmu_class=fmu_class, **settings):  # type: ignore[no-untyped-def]
-                fmu = fmu_class(
-                    guid=token, modelIdentifier=interface.modelIdentifier, unzipDirectory=unzipped, instanceName="check"
-                )
-                fmu.instantiate(**settings)
+            def instance(token: str, interface=interface, fmu_class=fmu_class, where=where, **settings):  # type: ignore[no-untyped-def]
+                with chdir("."):  # which fmpy changes, and leaves so if loading fails
+                    fmu = fmu_class(
+                        guid=token,
+                        modelIdentifier=interface.modelIdentifier,
+                        unzipDirectory=unzipped,
+                        instanceName="check",
+                        **where,
+                    )
+                    fmu.instantiate(**settings)
                 return fmu
 
             events: dict[str, bool] = {}
+            if (
+                name == "CoSimulation"
+                and interface.hasEventMode
+                and any(v.type == "Clock" for v in model.modelVariables)
+            ):
+                events = _EVENTS
             try:
                 try:
-                    fmu = instance(model.guid)
+                    fmu = instance(model.guid, **events)
                 except Exception:
-                    if is_fmi2 or name != "CoSimulation" or not interface.hasEventMode:
+                    if is_fmi2 or name != "CoSimulation" or not interface.hasEventMode or events:
                         raise
-                    events = {"eventModeUsed": True, "earlyReturnAllowed": True}  # which some need
+                    events = _EVENTS  # which some need
                     fmu = instance(model.guid, **events)
                     print()
-            except Exception:
+            except Exception as error:
                 text = f"{name} cannot be instantiated with the token of the XML, {model.guid}"
-                yield Note(f"{text}: it needs the tool that made it") if interface.needsExecutionTool else text
+                text += "" if "instantiate" in str(error) else f": {error}"  # but cannot even be loaded
+                yield Note(f"{text}: it needs the tool that made it") if interface.needsExecutionTool else Failure(text)
                 continue
             try:
                 if is_fmi2:
-                    fmu.setupExperiment(startTime=0.0)
-                fmu.enterInitializationMode()
-                yield from (f"{name}: {problem}" for problem in _check_starts(fmu, model))
+                    fmu.setupExperiment(startTime=start)
+                    fmu.enterInitializationMode()
+                else:
+                    fmu.enterInitializationMode(startTime=start)
+                yield from (f"{name}: {problem}" for problem in _check_starts(fmu, model, texts))
                 fmu.exitInitializationMode()
-                fmu.terminate()
-                fmu.freeInstance()
             except Exception as error:
-                yield f"{name} cannot be initialised with the start values of the XML: {error}"
+                yield Failure(f"{name} cannot be initialised with the start values of the XML: {error}")
+                if getattr(error, "status", None) == _FATAL:  # after which nothing may be called
+                    continue
+            else:
+                try:
+                    fmu.terminate()
+                except Exception as error:
+                    yield Note(f"{name} cannot be terminated after initialisation: {error}")
+            fmu.freeInstance()
+            if interface.canBeInstantiatedOnlyOncePerProcess:
+                continue
             try:
                 instance("not the token", **events)
             except Exception:
@@ -105,17 +155,51 @@ def _try(path: Path) -> Iterator[str]:
             yield Note(f"{name} can be instantiated with a wrong token")
 
 
-def _check_starts(fmu: FMU2Slave | FMU3Slave, model: ModelDescription) -> Iterator[str]:
+def _texts(root: Any) -> dict[str, list[str]]:
+    """Return the start values of String and Binary variables of FMI 3, which are elements, by name."""
+    found = {}
+    for element in root.iterfind("ModelVariables/*"):
+        if starts := element.findall("Start"):
+            found[element.get("name")] = [start.get("value", "") for start in starts]
+    return found
+
+
+def _check_starts(fmu: FMU2Slave | FMU3Slave, model: ModelDescription, texts: dict[str, list[str]]) -> Iterator[str]:
+    is_fmi2 = not model.fmiVersion.startswith("3.")
     for v in model.modelVariables:
-        if v.start is None or v.type in ("String", "Binary", "Boolean", "Enumeration", "Clock") or v.clocks:
+        # what is only a guess is another value by now; an alias has the value of what it stands for
+        if v.start is None or v.initial != "exact" or v.type == "Clock" or v.clocks or v.alias is not None:
             continue
-        declared = [float(x) for x in str(v.start).split()]
-        size = {"nValues": math.prod(v.shape)} if model.fmiVersion.startswith("3.") else {}
-        actual = [float(x) for x in getattr(fmu, f"get{v.type}")([v.valueReference], **size)]
+        integer = "Integer" if is_fmi2 else "Int64"
+        kind = integer if v.type == "Enumeration" else v.type
+        words = texts.get(v.name) or ([v.start] if v.type in ("String", "Binary") else str(v.start).split())
+        declared = [_value(kind, word) for word in words]
+        size = {} if is_fmi2 else {"nValues": math.prod(v.shape)}
+        try:
+            read = getattr(fmu, f"get{kind}")([v.valueReference], **size)
+        except Exception as error:
+            yield f"the start value of {v.name} cannot be read: {error}"
+            continue
+        actual = [_value(kind, value) for value in read]
         if declared != actual and declared * len(actual) != actual:  # FMI 3: one value may stand for all
             yield f"{v.name} starts at {actual}, but the XML says {declared}"
 
 
+def _value(kind: str, given: Any) -> Any:
+    """Return a value as it can be compared, from what the XML says or the FMU answers."""
+    match kind:
+        case "String":
+            return given.decode("utf-8", "replace") if isinstance(given, bytes) else given or ""
+        case "Binary":
+            return given.lower() if isinstance(given, str) else (given or b"").hex()
+        case "Boolean":
+            return given in ("true", "1") if isinstance(given, str) else bool(given)
+        case "Float32":
+            return struct.unpack("f", struct.pack("f", float(given)))[0]
+        case "Real" | "Float64":
+            return float(given)
+    return int(given)
+
+
 if __name__ == "__main__":
-    for finding in _try(Path(sys.argv[1])):
-        print(("note: " if isinstance(finding, Note) else "finding: ") + finding, flush=True)
+    report(initialised(Path(sys.argv[1])))

@@ -16,13 +16,17 @@ _NEEDED = re.compile(
 )
 """Libraries that are part of every Linux, Windows 10 and macOS."""
 _LINKER_MADE = {"_mh_dylib_header", "__dso_handle"}  # macOS has them in every library
+_X86_32 = frozenset({"I386", "X86"})
 _X86 = frozenset({"X86_64", "AMD64"})
 _ARM = frozenset({"AARCH64", "ARM64"})
 _ARCHITECTURES = {
     **dict.fromkeys(("linux64", "win64", "darwin64"), _X86),
     **dict.fromkeys(("x86_64-linux", "x86_64-windows", "x86_64-darwin"), _X86),
-    **dict.fromkeys(("aarch64-linux", "aarch64-darwin"), _ARM),
+    **dict.fromkeys(("aarch64-linux", "aarch64-darwin", "aarch64-windows"), _ARM),
+    **dict.fromkeys(("linux32", "win32", "darwin32", "x86-linux", "x86-windows"), _X86_32),
 }
+_FORMATS = {"linux": "ELF", "win": "PE", "darwin": "Mach-O"}
+"""By how the name of a platform's system begins."""
 _Library = lief.ELF.Binary | lief.PE.Binary | lief.MachO.Binary
 
 
@@ -49,9 +53,13 @@ def check_binary(name: str, content: bytes, fmi_version: str, interfaces: Collec
     """`name` is the path in the FMU, `fmi_version` and `interfaces` those whose functions must be there."""
     lief.logging.disable()
     folder = PurePosixPath(name).parts[1]
-    parsed = lief.MachO.parse(content) if name.endswith(".dylib") else lief.parse(content)
+    parsed = (lief.MachO.parse(content) if name.endswith(".dylib") else None) or lief.parse(content)
     if not isinstance(parsed, _Library | lief.MachO.FatBinary):
         yield f"{name} is no shared library"
+        return
+    expected_format = _format_of(folder)
+    if expected_format not in (None, _format(parsed)):
+        yield f"{name} is a library of the format {_format(parsed)}, expected {expected_format}"
         return
     slices = list(parsed) if isinstance(parsed, lief.MachO.FatBinary) else [parsed]
     architectures = {_architecture(part) for part in slices}
@@ -59,6 +67,8 @@ def check_binary(name: str, content: bytes, fmi_version: str, interfaces: Collec
     if not architectures & expected:
         yield f"{name} is for {', '.join(sorted(architectures))}, expected {' or '.join(sorted(expected))}"
     for part in slices:
+        if not _is_shared(part):
+            yield f"{name} is no shared library, but {part.header.file_type.name.lower()}"  # type: ignore[union-attr]
         exported = set(_exports(part)) - _LINKER_MADE
         if missing := needed_functions(fmi_version, interfaces) - exported:
             yield f"{name} does not export {', '.join(sorted(missing))}"
@@ -69,6 +79,30 @@ def check_binary(name: str, content: bytes, fmi_version: str, interfaces: Collec
                 yield Note(f"{name} needs {library}, which may not be installed")
         if isinstance(part, lief.ELF.Binary):
             yield from _check_glibc(name, part)
+
+
+def _format_of(folder: str) -> str | None:
+    """Return the format of libraries of a platform, None where the folder's name is of no platform known here."""
+    system = folder.rpartition("-")[2]
+    return next((name for start, name in _FORMATS.items() if system.startswith(start)), None)
+
+
+def _format(library: _Library | lief.MachO.FatBinary) -> str:
+    match library:
+        case lief.ELF.Binary():
+            return "ELF"
+        case lief.PE.Binary():
+            return "PE"
+    return "Mach-O"
+
+
+def _is_shared(part: _Library) -> bool:
+    match part:
+        case lief.ELF.Binary():
+            return part.header.file_type == lief.ELF.Header.FILE_TYPE.DYN
+        case lief.MachO.Binary():
+            return part.header.file_type in (lief.MachO.Header.FILE_TYPE.DYLIB, lief.MachO.Header.FILE_TYPE.BUNDLE)
+    return True
 
 
 @cache

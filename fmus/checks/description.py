@@ -1,5 +1,6 @@
 """modelDescription.xml and its companions: the validator of fmpy, and what that misses."""
 
+import copy
 import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -7,27 +8,48 @@ from typing import Any
 
 import fmpy
 from fmpy.model_description import ModelDescription, ModelVariable, Unknown
-from fmpy.validation import validate_fmu
+from fmpy.validation import validate_model_description
 from lxml import etree
 
 from fmus.archive import LARGEST_XML, Archive
+from fmus.checks import Note
 from fmus.errors import AdcsError
 from fmus.xml import parse
 
+_SCHEMAS = Path(fmpy.__file__).parent / "schema"
 _COMPANIONS = {
     "terminalsAndIcons/terminalsAndIcons.xml": "fmi3TerminalsAndIcons.xsd",
     "sources/buildDescription.xml": "fmi3BuildDescription.xsd",
 }
 
 
-def check_standard(path: Path) -> Iterator[str]:
-    """The XML schema, and the rules that fmpy knows."""
-    yield from map(str, validate_fmu(str(path)))
+def check_schema(root: Any) -> Iterator[str]:
+    """The XML schema of the description's version of FMI."""
+    major = root.get("fmiVersion", "")[:1]
+    file = _SCHEMAS / f"fmi{major}" / f"fmi{'' if major == '1' else major}ModelDescription.xsd"
+    if not file.is_file():
+        yield f"fmiVersion {root.get('fmiVersion')}: expected 2.0 or 3.0"
+        return
+    schema = etree.XMLSchema(file=str(file))
+    if not schema.validate(root):
+        for error in schema.error_log:
+            yield f"{error.level_name} (line {error.line}, column {error.column}): {error.message}"  # as fmpy has it
+
+
+def check_standard(model: ModelDescription) -> Iterator[str]:
+    """The rules that fmpy knows."""
+    expected = [v for v in model.modelVariables if v.alias is not None and not v.clocks and v.causality != "local"]
+    named = [Unknown(variable=v) for u in model.initialUnknowns for v in expected if v.alias is u.variable]
+    # fmpy asks for each alias of an initial unknown, where FMI 3 has one entry for a value reference
+    whole = copy.copy(model)
+    whole.initialUnknowns = [*model.initialUnknowns, *named]
+    yield from map(str, validate_model_description(whole, True, True))
 
 
 def check_companions(archive: Archive, model: ModelDescription) -> Iterator[str]:
     """The other XML files: their schema, and names that the model has."""
-    schemas = Path(fmpy.__file__).parent / "schema" / "fmi3"
+    known = {v.name for v in model.modelVariables}
+    identifiers = {i.modelIdentifier for i in (model.modelExchange, model.coSimulation, model.scheduledExecution) if i}
     for name, schema_name in _COMPANIONS.items():
         if name in archive.names:
             try:
@@ -35,18 +57,46 @@ def check_companions(archive: Archive, model: ModelDescription) -> Iterator[str]
             except AdcsError as error:
                 yield str(error)
                 continue
-            schema = etree.XMLSchema(file=str(schemas / schema_name))
+            schema = etree.XMLSchema(file=str(_SCHEMAS / "fmi3" / schema_name))
             if not schema.validate(document):
                 yield from (f"{name}, line {error.line}: {error.message}" for error in schema.error_log)
-            known = {v.name for v in model.modelVariables}
             for member in document.iter("TerminalMemberVariable"):
                 if member.get("variableName") not in known:
                     yield f"{name}, line {member.sourceline}: {member.get('variableName')} is no variable"
+            for configuration in document.iter("BuildConfiguration"):
+                if (given := configuration.get("modelIdentifier")) is not None and given not in identifiers:
+                    expected = " or ".join(sorted(identifiers))
+                    yield f"{name}, line {configuration.sourceline}: modelIdentifier {given}, expected {expected}"
+            versions = [version.split(".")[:2] for version in (document.get("fmiVersion", ""), model.fmiVersion)]
+            if versions[0] != versions[1] and model.fmiVersion.startswith("3."):
+                yield Note(f"{name}: fmiVersion {document.get('fmiVersion')}, that of the model is {model.fmiVersion}")
+
+
+def check_dimensions(root: Any) -> Iterator[str]:
+    """Sizes of arrays in FMI 3: scalar structural parameters or constants, of type UInt64."""
+    known = {element.get("valueReference"): element for element in root.iterfind("ModelVariables/*")}
+    for element in known.values():
+        for dimension in element.findall("Dimension"):
+            if dimension.get("start") is not None and dimension.get("valueReference") is not None:
+                yield f"{element.get('name')}: a Dimension has both start and valueReference, expected one of them"
+            size = known.get(dimension.get("valueReference"))
+            if size is None:
+                continue
+            causality, variability = size.get("causality", "local"), size.get("variability", "")
+            of = f"{element.get('name')}: its size {size.get('name')}"
+            if size.tag != "UInt64":
+                yield f"{of} is of type {size.tag}, expected UInt64"
+            if causality != "structuralParameter" and variability != "constant":
+                what = f"{variability} {causality}".strip()
+                yield f"{of} is a {what}, expected a structural parameter or a constant"
+            if size.find("Dimension") is not None:
+                yield f"{of} is an array, expected a scalar"
 
 
 def check_variables(model: ModelDescription, root: Any) -> Iterator[str]:
     """Derivatives, starts, bounds, units. `root` is the XML, for what fmpy does not read of it."""
     elsewhere = {start.getparent().get("name") for start in root.iterfind("ModelVariables/*/Start")}  # texts, bytes
+    bounds = {v.get("name"): (v.get("min"), v.get("max")) for v in root.iterfind("ModelVariables/*")}  # of FMI 3
     units = {unit.name: {display.name for display in unit.displayUnits} for unit in model.unitDefinitions}
     for v in model.modelVariables:
         unit = v.unit or (v.declaredType.unit if v.declaredType else None)
@@ -56,13 +106,18 @@ def check_variables(model: ModelDescription, root: Any) -> Iterator[str]:
             yield f"{v.name}: display unit {v.displayUnit} is not defined for {unit}"
         if v.derivative is not None:
             yield from _check_derivative(v, v.derivative)
-        if v.type == "Clock" or v.name in elsewhere:  # a clock has no value
+        if v.type == "Clock" or v.name in elsewhere or v.alias is not None:  # a clock has no value
             continue
         if v.start is None:
             if v.causality in ("input", "parameter") or v.initial in ("exact", "approx"):
                 yield f"{v.name}: start is missing, expected {_shape(v)}"
         elif v.type not in ("String", "Binary"):
-            yield from _check_start(v)
+            low, high = bounds[v.name]  # which fmpy does not read of unsigned integers
+            low, high = v.min if low is None else low, v.max if high is None else high
+            if v.declaredType is not None:
+                low = v.declaredType.min if low is None else low
+                high = v.declaredType.max if high is None else high
+            yield from _check_start(v, low, high)
     states = [u.variable.derivative for u in model.derivatives if u.variable.derivative is not None]
     for state in {s.name for s in states if states.count(s) > 1}:
         yield f"{state}: several variables in the model structure are its derivative"
@@ -107,7 +162,7 @@ def _check_derivative(v: ModelVariable, state: ModelVariable) -> Iterator[str]:
         yield f"{v.name}: is said to be the derivative of {state.name}, which has {_shape(state)}, not {_shape(v)}"
 
 
-def _check_start(v: ModelVariable) -> Iterator[str]:
+def _check_start(v: ModelVariable, low: str | None, high: str | None) -> Iterator[str]:
     size = math.prod(v.shape)
     values = str(v.start).split()
     if len(values) not in (size, 1):  # one value may stand for all elements
@@ -122,10 +177,10 @@ def _check_start(v: ModelVariable) -> Iterator[str]:
             continue
         if not math.isfinite(value):
             yield f"{v.name}: start {value} is not finite"
-        elif v.min is not None and value < float(v.min):
-            yield f"{v.name}: start {value:g} is below min {v.min}"
-        elif v.max is not None and value > float(v.max):
-            yield f"{v.name}: start {value:g} is above max {v.max}"
+        elif low is not None and value < float(low):
+            yield f"{v.name}: start {value:g} is below min {low}"
+        elif high is not None and value > float(high):
+            yield f"{v.name}: start {value:g} is above max {high}"
 
 
 def _shape(v: ModelVariable) -> str:

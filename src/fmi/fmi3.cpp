@@ -192,9 +192,14 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance i, const fmi3ValueReference
                                                                 unknowns, n_unknowns, knowns, n_knowns, seed, n_seed,
                                                                 sensitivity, n_sensitivity));
 }
-fmi3Status fmi3GetAdjointDerivative(fmi3Instance i, const fmi3ValueReference[], size_t, const fmi3ValueReference[],
-                                    size_t, const fmi3Float64[], size_t, fmi3Float64[], size_t) {
-    return to_fmi(not_supported(i, "fmi3GetAdjointDerivative"));
+fmi3Status fmi3GetAdjointDerivative(fmi3Instance i, const fmi3ValueReference unknowns[], size_t n_unknowns,
+                                    const fmi3ValueReference knowns[], size_t n_knowns, const fmi3Float64 seed[],
+                                    size_t n_seed, fmi3Float64 sensitivity[], size_t n_sensitivity) {
+    Instance* instance = enter(i, mode_readable, "fmi3GetAdjointDerivative");
+    return instance == nullptr ? fmi3Error
+                               : to_fmi(instance->differentiate_adjoint("fmi3GetAdjointDerivative", Addressing::arrays,
+                                                                        unknowns, n_unknowns, knowns, n_knowns, seed,
+                                                                        n_seed, sensitivity, n_sensitivity));
 }
 fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance i, fmi3ValueReference, size_t*) {
     return to_fmi(not_supported(i, "fmi3GetNumberOfVariableDependencies"));

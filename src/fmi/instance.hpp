@@ -77,6 +77,11 @@ public:
     Status differentiate(const char* function, Addressing, const std::uint32_t* unknowns, std::size_t n_unknowns,
                          const std::uint32_t* knowns, std::size_t n_knowns, const double* seed, std::size_t n_seed,
                          double* sensitivity, std::size_t n_sensitivity);
+    /// The transpose: `seed` is of the unknowns, `sensitivity` of the knowns. One directional derivative for each known.
+    Status differentiate_adjoint(const char* function, Addressing, const std::uint32_t* unknowns,
+                                 std::size_t n_unknowns, const std::uint32_t* knowns, std::size_t n_knowns,
+                                 const double* seed, std::size_t n_seed, double* sensitivity,
+                                 std::size_t n_sensitivity);
 
     // Co-Simulation
     /// After an error time() is what was reached, and states and held values belong to it.
@@ -174,6 +179,13 @@ private:
     template <Addressing A>
     Status expand(const char* function, const std::uint32_t* vrs, std::size_t n, Directional* scalars,
                   std::size_t n_scalars);
+    Status prepare_derivatives(const char* function, Addressing, const std::uint32_t* unknowns, std::size_t n_unknowns,
+                               std::size_t n_unknown, const std::uint32_t* knowns, std::size_t n_knowns,
+                               std::size_t n_known);
+    Status differentiate_along(const char* function, const Directional* known, std::size_t n_known,
+                               std::size_t n_unknown);
+    Directional* known_scalars() { return directional_; }
+    Directional* unknown_scalars() { return directional_ + n_scalars_; }
 
     /// Parameters and inputs make sense; looks at them again only after they were set.
     Status check() { return parameters_checked_ && inputs_checked_ ? Status::ok : check_again(); }

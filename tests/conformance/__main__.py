@@ -6,12 +6,17 @@ import sys
 from pathlib import Path
 from typing import get_args
 
-from fmus.check import check
 from fmus.paths import BUILD
+from orchestration.checking import check
 from orchestration.fmu import Kind
 
 from .sources import build, commit
 from .trial import CLOSE, ONE_INTERNAL_STEP, Trial, trial
+
+RIGHT = {"Roberts.fmu": "modelIdentifier BouncingBall, expected Roberts"} | {
+    "StateSpace.fmu": "modelIdentifier LinearTransform, expected StateSpace"
+}
+"""Findings that are as they should be: build descriptions that name another model."""
 
 PAGE = Path(__file__).parents[2] / "docs" / "conformance.md"
 
@@ -26,7 +31,8 @@ Source: {commit}. The rows have to be the same. Co-simulation has to agree to {c
 value, model exchange to {me:g}: there two integrators differ, and events add to it. {model} counts its own internal
 steps of a fixed size: fmpy asks for the next point less the last, whose last bit varies, and so once for a step
 more or less than with a constant step; it has to agree to {one:g}. Stair ends its simulation; where an event does
-so, fmpy has no row after it, and the last one is not compared.
+so, fmpy has no row after it, and the last one is not compared. The build descriptions of Roberts and StateSpace name
+other models, BouncingBall and LinearTransform: so there is a finding, and rightly.
 """
 
 
@@ -68,7 +74,8 @@ def main(arguments: list[str]) -> int:
             if result is not None:
                 lines.append(row(result, len(findings)))
                 print(lines[-1], flush=True)
-                good = good and result.good and not findings
+                false = [f for f in findings if not f.message.endswith(RIGHT.get(fmu.name, "\n"))]
+                good = good and result.good and not false
     PAGE.write_text("\n".join(lines) + "\n", encoding="utf-8")
     print(f"{PAGE.name} is written" + ("" if good else "; not everything agrees"))
     return 0 if good else 1

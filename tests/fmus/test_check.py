@@ -320,3 +320,44 @@ def test_a_binary_for_another_machine(built):
     assert list(check_binary("binaries/linux64/x.so", b"nothing", "2.0")) == [
         "binaries/linux64/x.so is no shared library"
     ]
+
+
+def test_a_library_of_another_system(tmp_path):
+    windows = next(t for t in TARGETS if t.suffix == ".dll")
+    content = library(tmp_path, all_functions("2.0"), windows)
+    assert list(check_binary("binaries/linux64/x.so", content, "2.0")) == [
+        "binaries/linux64/x.so is a library of the format PE, expected ELF"
+    ]
+    assert list(check_binary("binaries/x86_64-darwin/x.dylib", content, "3.0")) == [
+        "binaries/x86_64-darwin/x.dylib is a library of the format PE, expected Mach-O"
+    ]
+    messages = list(check_binary("binaries/win32/x.dll", content, "2.0"))
+    assert "binaries/win32/x.dll is for AMD64, expected I386 or X86" in messages
+
+
+@pytest.mark.skipif(host().suffix != ".so", reason="about ELF")
+def test_what_is_no_shared_library(tmp_path):
+    content = library(tmp_path, all_functions("2.0"))
+    executable = content[:16] + (2).to_bytes(2, "little") + content[18:]  # its header says so
+    assert list(check_binary(f"binaries/{host().fmi2_folder}/x.so", executable, "2.0")) == [
+        f"binaries/{host().fmi2_folder}/x.so is no shared library, but exec"
+    ]
+
+
+def test_a_build_description_of_another_model(mutate, static):
+    edit = sub('modelIdentifier="RigidBody"', 'modelIdentifier="Rotor"')
+    (message,) = found(mutate(BODY3, {"sources/buildDescription.xml": edit}), "companions")
+    assert message.startswith("sources/buildDescription.xml, line ")
+    assert message.endswith("modelIdentifier Rotor, expected RigidBody")
+    edit = sub('fmiVersion="3[^"]*"', 'fmiVersion="3.1"')
+    path = mutate(BODY3, {"sources/buildDescription.xml": edit})
+    notes = [finding.message for finding in fmus.check(path) if finding.severity == "note"]
+    assert notes == ["sources/buildDescription.xml: fmiVersion 3.1, that of the model is 3.0"]
+
+
+def test_a_platform_of_fmi2_is_none_of_fmi3(mutate, static):
+    added = {"binaries/win64/RigidBody.dll": b""}
+    assert "binaries/win64 is a platform of FMI 2, expected x86_64-windows" in found(
+        mutate(BODY3, added=added), "layout"
+    )
+    assert found(mutate(BODY2, added=added), "layout") == []

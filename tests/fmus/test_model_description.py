@@ -47,6 +47,9 @@ def test_directional_derivatives_are_promised_only_if_there_are_any(spinner):
     assert b'providesDirectionalDerivative="false"' in fmi2(plain)
     assert b'providesDirectionalDerivatives="true"' in fmi3(spinner)
     assert b'providesDirectionalDerivatives="false"' in fmi3(plain)
+    assert fmi3(spinner).count(b'providesAdjointDerivatives="true"') == 2  # of both interfaces
+    assert fmi3(plain).count(b'providesAdjointDerivatives="false"') == 2
+    assert b"Adjoint" not in fmi2(spinner)  # which has none
 
 
 def test_fmi2_has_scalars(spinner):

@@ -151,6 +151,14 @@ private:
                                : int{fmi3GetDirectionalDerivative(tool_.handle(), unknowns.data(), 3, knowns.data(), 3,
                                                                   seed.data(), n_seed, result.data(), n_result)};
         if (expect(status) == 0) finite(result, n_result);
+        if (tool_.version() != 3) return;
+        std::vector<double> weights(n_result, 1.0), transposed(n_seed, 0.0);
+        if (random_.chance(wild_)) weights[0] = special(random_);
+        if (random_.chance(wild_)) transposed.push_back(0.0);  // one more than there are
+        if (expect(int{fmi3GetAdjointDerivative(tool_.handle(), unknowns.data(), 3, knowns.data(), 3, weights.data(),
+                                                n_result, transposed.data(), transposed.size())}) == 0) {
+            finite(transposed, n_seed);
+        }
     }
 
     /// Saved, changed and restored: the same values as before.
@@ -235,6 +243,7 @@ private:
                         fmi3SerializeFMUState(c, nullptr, nullptr, 0),
                         fmi3DeserializeFMUState(c, nullptr, 100, nullptr),
                         fmi3GetDirectionalDerivative(c, nullptr, 1, nullptr, 1, nullptr, 1, nullptr, 1),
+                        fmi3GetAdjointDerivative(c, nullptr, 1, nullptr, 1, nullptr, 1, nullptr, 1),
                         fmi3UpdateDiscreteStates(c, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr),
                         fmi3CompletedIntegratorStep(c, true, nullptr, nullptr),
                         fmi3GetNumberOfContinuousStates(c, nullptr),

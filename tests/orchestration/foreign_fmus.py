@@ -287,7 +287,7 @@ def _places(variables: list[Variable]) -> dict[str, int]:
 
 def _compile(model: str, variables: list[Variable], places: dict[str, int], binary: Path) -> None:
     n = max(places.values()) + 20
-    starts, texts, lengths, clocks, kinds = ["0"] * n, ["0"] * n, [1] * n, list(range(n)), [" "] * n
+    starts, texts, sizes, lengths, clocks, kinds = ["0"] * n, ["0"] * n, [0] * n, [1] * n, list(range(n)), [" "] * n
     for v in variables:
         at = places[v.name]
         lengths[at] = 0 if v.resizable else v.fixed_size
@@ -296,14 +296,17 @@ def _compile(model: str, variables: list[Variable], places: dict[str, int], bina
         if v.clock is not None:
             clocks[at] = places[v.clock]
         for i, value in enumerate(v.starts):
-            if value is not None and v.type == "String":
-                texts[at + i] = f'"{value}"'
-            elif value is not None and v.type != "Binary":
+            if value is not None and v.type in ("String", "Binary"):
+                content = value.encode() if v.type == "String" else bytes.fromhex(value)
+                texts[at + i] = '"' + "".join(f"\\x{byte:02x}" for byte in content) + '"'
+                sizes[at + i] = len(content)
+            elif value is not None:
                 starts[at + i] = repr(int(value) if isinstance(value, bool) else value)
     generated = binary.with_suffix(".include")
     generated.mkdir()
     (generated / "variables.h").write_text(
         f"#define N_VALUES {n}\n#define START {{{', '.join(starts)}}}\n#define TEXTS {{{', '.join(texts)}}}\n"
+        f"#define BYTES {{{', '.join(map(str, sizes))}}}\n"
         f"#define LENGTHS {{{', '.join(map(str, lengths))}}}\n#define CLOCKS {{{', '.join(map(str, clocks))}}}\n"
         f'#define KINDS "{"".join(kinds)}"\n'
         f"enum {{ {', '.join(f'{name} = {place}' for name, place in places.items())} }};\n"

@@ -98,10 +98,11 @@ static const unsigned clocks_of[] = CLOCKS; /* the clock of a clocked variable, 
 static Model *create(void) {
     static const long double start[] = START;
     static const char *texts[] = TEXTS;
+    static const size_t bytes[] = BYTES;
     Model *m = calloc(1, sizeof(Model));
     for (int i = 0; i < N_VALUES; ++i) {
         m->v[i] = start[i];
-        if (texts[i]) m->length[i] = (size_t)snprintf(m->text[i], sizeof m->text[i], "%s", texts[i]);
+        if (texts[i]) memcpy(m->text[i], texts[i], m->length[i] = bytes[i]);
     }
     m->next_event = INFINITY;
     m->left = -INFINITY;
@@ -344,7 +345,9 @@ FMI3_ACCESS(Int64)
 FMI3_ACCESS(UInt64)
 FMI3_ACCESS(Boolean)
 fmi3Status fmi3GetString(fmi3Instance c, const fmi3ValueReference vr[], size_t n, fmi3String v[], size_t nv) {
-    return (fmi3Status)fmi2GetString(c, vr, n, v);
+    for (size_t i = 0; i < n; ++i)
+        for (size_t j = 0; j < lengths[vr[i]]; ++j) *v++ = M->text[vr[i] + j];
+    return fmi3OK;
 }
 fmi3Status fmi3SetString(fmi3Instance c, const fmi3ValueReference vr[], size_t n, const fmi3String v[], size_t nv) {
     for (size_t i = 0; i < n; ++i)

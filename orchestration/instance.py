@@ -22,7 +22,7 @@ from orchestration.events import Events
 from orchestration.fmu import Fmu, Kind, Port
 from orchestration.grid import SNAP
 from orchestration.isolation.guard import Guard
-from orchestration.isolation.where import Where
+from orchestration.isolation.where import Calling, Where
 from orchestration.number_types import BEYOND, first_beyond, first_misfit
 from orchestration.stepping import DISCARD, Stepper
 
@@ -81,21 +81,6 @@ def failing_at(time: float) -> Iterator[None]:
         raise
 
 
-class Calling:
-    """Surrounds the calls of one instance; when one has returned, what it changed of the thread is put back."""
-
-    def __init__(self, where: Where, name: str, guard: Guard | None) -> None:
-        self._where, self._name, self._guard = where, name, guard
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, *error: object) -> None:
-        self._where.idle()
-        if self._guard is not None:
-            self._guard.thread(self._name)
-
-
 class Instance:
     """One instance of an FMU behind the methods that FMI 2 and FMI 3 have in common.
 
@@ -116,7 +101,7 @@ class Instance:
         self._where = where or Where()
         self._guard = guard
         self.fmu = fmu
-        self._calling = Calling(self._where, name, None if guard is None or self.ours else guard)
+        self.calling = Calling(self._where, name, None if guard is None or self.ours else guard.thread)
         self.major = fmu.major_version
         self.kind: Kind = kind
         self.messages: deque[tuple[int, str]] = deque(maxlen=20)
@@ -295,11 +280,6 @@ class Instance:
                 return getattr(self.handle, method)(*arguments, **named)
         except FMICallException as error:
             raise self.failure(action, error.status) from error
-
-    def calling(self, action: str) -> Calling:
-        """Return what every call stands in that is made from Python: it is noted, and looked after."""
-        self._where.call(self.name, action)
-        return self._calling
 
     def _check(self) -> None:
         if self._guard is not None and not self.ours:

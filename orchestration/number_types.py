@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import isfinite
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-Floats = NDArray[np.float64]
 
 EXACT = 2**53
 """Above, a double does not hold every integer, and one that is there may have been another."""
@@ -26,36 +25,37 @@ BEYOND = " is beyond 2^53, and cannot be handed on or recorded exactly"
 def first_misfit(type_: str, values: NDArray[Any] | Iterable[Any]) -> tuple[int, str] | None:
     """Return the index of the first number that is no value of a numeric type, and why not; None if all are.
 
-    The reason is to be put behind the number. Integers are judged as they are; a floating-point number beyond 2^53 may
-    have been another integer, and is refused for a type of integers.
+    The reason is to be put behind the number.
     """
-    if type_.startswith("Float") or (isinstance(values, np.ndarray) and values.dtype.kind == "f"):
-        return _first_wrong(type_, np.asarray(values, float))
-    low, high = RANGES[type_]
-    for i, value in enumerate(np.asarray(values, object).ravel().tolist()):  # numpy makes doubles of mixed integers
-        if isinstance(value, float):
-            if (misfit := _first_wrong(type_, np.array([value]))) is not None:
-                return i, misfit[1]
-        elif not low <= value <= high:
-            return i, _outside(type_)
-    return None
+    if isinstance(values, np.ndarray):
+        if type_ == "Float64" and values.dtype.kind == "f" and np.isfinite(values).all():
+            return None  # as nearly always
+        values = values.ravel().tolist()
+    return next(((i, why) for i, value in enumerate(values) if (why := _misfit(type_, value))), None)
 
 
-def _first_wrong(type_: str, values: Floats) -> tuple[int, str] | None:
-    size = np.abs(values)
-    rules = [(~np.isfinite(values), " is not finite")]
+def _misfit(type_: str, value: Any) -> str:
+    """Say why a number is no value of a type; nothing if it is one.
+
+    An integer is judged as it is; a floating-point number beyond 2^53 may have been another one, and is refused for a
+    type of integers.
+    """
+    if isinstance(value, int | np.integer | np.bool_):
+        low, high = RANGES.get(type_, (value, value))
+        return "" if low <= value <= high else _outside(type_)
+    number = float(value)
+    if not isfinite(number):
+        return " is not finite"
     if type_ == "Float32":
-        rules.append((size >= _FLOAT32_END, _outside(type_)))
-    elif type_ in RANGES:
-        low, high = RANGES[type_]
-        rules.append((values != np.trunc(values), ": expected an integer"))
-        rules.append(((values < low) | (values > high), _outside(type_)))
-        rules.append((size > EXACT, BEYOND))
-    wrong = np.flatnonzero(np.logical_or.reduce([found for found, _ in rules]))
-    if not len(wrong):
-        return None
-    first = int(wrong[0])
-    return first, next(why for found, why in rules if found.flat[first])
+        return "" if abs(number) < _FLOAT32_END else _outside(type_)
+    if type_ == "Float64":
+        return ""
+    low, high = RANGES[type_]
+    if not number.is_integer():
+        return ": expected an integer"
+    if not low <= number <= high:
+        return _outside(type_)
+    return BEYOND if abs(number) > EXACT else ""
 
 
 def first_beyond(values: Iterable[Any]) -> int | None:

@@ -45,10 +45,10 @@ class Stepper:
     def _bind(self) -> None:
         """Bind the two calls that every step makes: through fmpy's methods they would take several times as long."""
         functions = getattr(self._handle, "_functions")  # noqa: B009 - what fmpy loaded
-        component, never_returns = self._handle.component, self._instance.never_returns
+        component, final = self._handle.component, int(self._instance.never_returns)
         if self._instance.major == 2:
             do_step, get_state = functions["fmi2DoStep"], functions["fmi2GetFMUstate"]
-            self._call: Callable[[float, float], int] = lambda t, h: do_step(component, t, h, int(never_returns))
+            self._call: Callable[[float, float], int] = lambda t, h: do_step(component, t, h, final)
         else:
             do_step, get_state = functions["fmi3DoStep"], functions["fmi3GetFMUState"]
             self._event, self._terminate, self._early, self._last = c_bool(), c_bool(), c_bool(), c_double()
@@ -56,7 +56,7 @@ class Stepper:
 
             def call(t: float, h: float) -> int:
                 self._last.value = t + h  # which not all FMUs set
-                return int(do_step(component, t, h, never_returns, *results))
+                return int(do_step(component, t, h, final, *results))
 
             self._call = call
         before = byref(self._before)

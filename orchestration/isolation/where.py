@@ -6,6 +6,7 @@ import ctypes
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from enum import IntEnum
+from functools import lru_cache
 from typing import Any
 
 
@@ -54,6 +55,11 @@ class Place(ctypes.Structure):
     )
 
 
+@lru_cache(maxsize=1000)  # the same few calls are made over and over
+def _text(component: str, action: str) -> bytes:
+    return f"{component}\t{action}".encode()[: _TEXT - 1]
+
+
 class Where:
     """Notes where a run is; read from another thread, or from another process after this one has died.
 
@@ -73,14 +79,8 @@ class Where:
         if self.at_finish is not None:
             self.at_finish()
 
-    def call(self, component: str, action: str) -> None:
-        """Note that a call is about to be made from Python."""
-        self.place.text = f"{component}\t{action}".encode()[: _TEXT - 1]
-        self.place.count += 1
-        self.place.doing = _FROM_PYTHON
-
     def idle(self) -> None:
-        """Note that no component is at work."""
+        """Note that no component is at work, where a call was given up."""
         self.place.doing = _IDLE
 
     def move(self, place: Any) -> None:
@@ -113,3 +113,33 @@ class Where:
     def pulse(self) -> tuple[Any, ...]:
         """What changes as long as the run goes on."""
         return (*self.now, int(self.place.count), int(self.place.rows))
+
+
+class Calling:
+    """What surrounds every call of a component that is made from Python; `with calling("doStep"):` ...
+
+    It is noted before it is made; when it has returned, or failed, no component is at work, and `after` is told whose
+    call it was, to look at what it has changed.
+    """
+
+    __slots__ = ("_after", "_component", "_text", "_where")
+
+    def __init__(self, where: Where, component: str, after: Callable[[str], None] | None = None) -> None:
+        self._where, self._component, self._after = where, component, after
+        self._text = b""
+
+    def __call__(self, action: str) -> Calling:
+        """Say what is done in what follows."""
+        self._text = _text(self._component, action)
+        return self
+
+    def __enter__(self) -> None:
+        place = self._where.place
+        place.text = self._text
+        place.count += 1
+        place.doing = _FROM_PYTHON
+
+    def __exit__(self, kind: object, error: object, trace: object) -> None:
+        self._where.place.doing = _IDLE
+        if self._after is not None:
+            self._after(self._component)

@@ -13,6 +13,7 @@ from fmus.checks import Note
 from fmus.checks.archive import check_archive, check_layout, check_members
 from fmus.checks.behaviour import check_behaviour
 from fmus.checks.description import check_companions, check_dependencies, check_standard, check_variables
+from fmus.checks.version import check_version
 from fmus.errors import AdcsError
 from fmus.xml import parse
 
@@ -55,6 +56,7 @@ def _check(path: Path) -> Iterator[Finding]:
                 yield from _found("companions", check_companions(safe, model))
                 yield from _found("variables", check_variables(model, root))
                 yield from _found("dependencies", check_dependencies(model))
+                yield from _found("standard", check_version(model.fmiVersion))
                 for name in archive.namelist():
                     if name.startswith("binaries/") and name.endswith((".so", ".dll", ".dylib")):
                         kinds = {type(i).__name__ for i in interfaces}

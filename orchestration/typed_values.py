@@ -60,4 +60,7 @@ def binary_values(name: str, port: Port, value: Any) -> tuple[bytes, ...]:
     found = tuple(one(value))
     if len(found) != port.size:
         raise AdcsError(f"{name}: expected {port.size} values, got {len(found)}")
+    longest = max(map(len, found), default=0)
+    if port.max_size is not None and longest > port.max_size:
+        raise AdcsError(f"{name} has {longest} bytes: expected at most {port.max_size} (maxSize)")
     return found

@@ -9,12 +9,10 @@ from pathlib import Path
 XML = "modelDescription.xml"
 
 
-def packed(path: Path, xml: str, **others: str) -> Path:
-    """Write an FMU that consists of a description (and files under names whose `__` stand for slashes)."""
+def packed(path: Path, xml: str) -> Path:
+    """Write an FMU that consists of a description."""
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr(XML, xml)
-        for name, content in others.items():
-            archive.writestr(name.replace("__", "/"), content)
     return path
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from .schemas import ITSELF
@@ -39,11 +40,15 @@ def page() -> str:
 
 
 def _readable(standard: str) -> list[Row]:
-    """The lines in the order of the table, where "as above" says again what stands above."""
+    """The lines in the order of the table, "as above" written out, neighbours that differ by attributes in one."""
     found: list[Row] = []
     for row in rows(standard):
         why = found[-1].why if row.why == "as above" else row.why
-        found.append(Row(row.elements, row.attributes, row.what, why, row.test))
+        last = found[-1] if found else None
+        if last is not None and (last.elements, last.what, last.why) == (row.elements, row.what, why):
+            found[-1] = replace(last, attributes=(*last.attributes, *row.attributes))
+        else:
+            found.append(replace(row, why=why))
     return found
 
 
@@ -60,8 +65,8 @@ def _attributes(row: Row) -> str:
 
 
 def _link(test: str) -> str:
-    file, _, name = test.partition("::")
-    return f"[{name.replace('::', ', ').replace('_', ' ').removeprefix('test ')}](../tests/{file})"
+    file, *_, name = test.split("::")
+    return f"[{name.removeprefix('test_').replace('_', ' ')}](../tests/{file})"
 
 
 if __name__ == "__main__":

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-import fmpy
-
 from fmus.archive import LARGEST_XML, Archive
 from fmus.checks import Note
 from fmus.checks.archive import check_archive, check_layout, check_members
@@ -20,8 +18,9 @@ from fmus.checks.description import (
     check_standard,
     check_variables,
 )
+from fmus.checks.version import check_version
 from fmus.errors import AdcsError
-from fmus.readable import for_fmpy
+from fmus.readable import read_model
 from fmus.references import unresolved
 from fmus.xml import parse
 
@@ -62,6 +61,7 @@ def _check(path: Path, behaviour: Callable[[Path], Iterable[str]]) -> Iterator[F
                 in_archive = list(_found("archive", check_archive(archive)))
                 yield from in_archive
                 content, root = _document(safe)
+                yield from _found("standard", check_version(root.get("fmiVersion")))
                 wrong = [*_found("standard", check_schema(root)), *_found("standard", unresolved(root))]
                 yield from wrong
                 yield from _found("variables", check_dimensions(root))
@@ -108,7 +108,7 @@ def _document(archive: Archive) -> tuple[bytes, Any]:
 def _description(content: bytes, root: Any) -> Any:
     """Return what fmpy makes of modelDescription.xml."""
     try:
-        return fmpy.read_model_description(for_fmpy(content, root), validate=False)
+        return read_model(content, root, validate=False)
     except Exception as error:  # what is wrong in a way that fmpy has not thought of
         raise _Unreadable(f"modelDescription.xml cannot be read: {' '.join(str(error).split())}") from error
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from math import inf, isfinite
+from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration.fmu import Fmu, Port, element_names
+from orchestration.ranges import declared_ranges, range_of
 from orchestration.system import System
 
 _MOST = 16  # characters
@@ -113,9 +114,7 @@ def _range(fmu: Fmu, port: Port, element: str) -> tuple[float, float]:
     """The range that the FMU declares; what else it refuses is found by trial."""
     if port.type == "Boolean":
         return 0.0, 1.0
-    declared = next((v for v in fmu.model.modelVariables if v.name in (element, port.name)), None)
-    low, high = (None, None) if declared is None else (declared.min, declared.max)
-    return -inf if low is None else float(low), inf if high is None else float(high)
+    return range_of(declared_ranges(fmu), port, element)
 
 
 def _plain(name: str) -> str:

@@ -7,6 +7,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
+from fmus.declared_types import carrier
+from fmus.versions import major_version
+
 TIME_BASED = ("constant", "fixed", "tunable", "changing", "countdown")
 PERIODIC = ("constant", "fixed", "tunable")
 
@@ -34,19 +37,36 @@ class Clock:
 
 
 @dataclass(frozen=True)
+class DisplayUnit:
+    """A unit that values may be given in: shown = factor * value + offset, or factor / value if it is `inverse`."""
+
+    name: str
+    factor: float = 1.0
+    offset: float = 0.0
+    inverse: bool = False
+
+    @property
+    def plain(self) -> bool:
+        """Whether a number in it is the same number in the unit itself."""
+        return (self.factor, self.offset, self.inverse) == (1.0, 0.0, False)
+
+
+@dataclass(frozen=True)
 class Extras:
-    """What there is to know beside what fmpy knows.
+    """What there is to know beside what fmpy knows, declared types counted in (`give_defaults`).
 
     `starts`: the texts of String and Binary variables by name; `clocked`: the clocks of variables, by reference;
-    `relative`: the names of variables that are differences (relativeQuantity), by themselves or by their type.
+    `relative`: the names of variables that are differences (relativeQuantity).
     """
 
     clocks: tuple[Clock, ...] = ()
     clocked: Mapping[int, frozenset[int]] = field(default_factory=dict)
     starts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     relative: frozenset[str] = frozenset()
-    limits: Mapping[str, tuple[int | None, int | None]] = field(default_factory=dict)
-    """The least and the largest value of each structural parameter of an unsigned type that declares any."""
+    largest: Mapping[str, int] = field(default_factory=dict)
+    """How many bytes a value of a Binary variable may have (maxSize)."""
+    set_once: frozenset[str] = frozenset()
+    """The inputs that may be set only once at an instant (canHandleMultipleSetPerTimeInstant)."""
 
 
 def check_structure(root: Any) -> None:
@@ -54,7 +74,7 @@ def check_structure(root: Any) -> None:
 
     What the schema sees, which is applied later, is not looked at here.
     """
-    third = root.get("fmiVersion") == "3.0"
+    third = major_version(root.get("fmiVersion")) == 3
     variables = [element for element in root.iterfind("ModelVariables/*") if isinstance(element.tag, str)]
     known = (
         {e.get("valueReference"): e for e in variables} if third else {str(i): e for i, e in enumerate(variables, 1)}
@@ -77,8 +97,8 @@ def check_structure(root: Any) -> None:
 
 def read_extras(root: Any) -> Extras:
     """Find them in a description that is known to be valid."""
-    if root.get("fmiVersion") == "2.0":
-        return Extras(relative=_relative(root))
+    if major_version(root.get("fmiVersion")) == 2:
+        return Extras(relative=_saying(root, "relativeQuantity"), set_once=_set_once(root))
     variables = [element for element in root.find("ModelVariables") if isinstance(element.tag, str)]
     clocked = {}
     starts = {}
@@ -87,51 +107,60 @@ def read_extras(root: Any) -> Extras:
             clocked[int(element.get("valueReference"))] = frozenset(int(r) for r in element.get("clocks").split())
         texts = tuple(start.get("value", "") for start in element.findall("Start"))
         if texts:
-            names = [element.get("name"), *(alias.get("name") for alias in element.findall("Alias"))]
-            starts.update(dict.fromkeys(names, texts))
-    limits = {
-        element.get("name"): (_number(element.get("min")), _number(element.get("max")))
-        for element in variables
-        if element.get("causality") == "structuralParameter" and element.tag.startswith("UInt")
+            starts.update(dict.fromkeys(_names(element), texts))
+    largest = {
+        name: int(element.get("maxSize")) for element in variables if element.get("maxSize") for name in _names(element)
     }
-    clocks = tuple(_clock(e) for e in variables if e.tag == "Clock")
-    return Extras(clocks, clocked, starts, _relative(root), limits)
+    return Extras(
+        tuple(_clock(e) for e in variables if e.tag == "Clock"),
+        clocked,
+        starts,
+        _saying(root, "relativeQuantity"),
+        largest,
+        _set_once(root),
+    )
 
 
-def _number(text: str | None) -> int | None:
-    return None if text is None else int(text)
+def _names(element: Any) -> list[str]:
+    """Return the name of a variable and its aliases."""
+    return [element.get("name"), *(alias.get("name") for alias in element.findall("Alias"))]
 
 
-def _relative(root: Any) -> frozenset[str]:
-    """Find the variables that are differences; what a variable says of itself counts more than its type."""
-    definitions = root.find("TypeDefinitions")
-    types = {
-        element.get("name"): _says_relative(element)
-        for element in (() if definitions is None else definitions)
-        if isinstance(element.tag, str)
-    }
-    found = set()
-    for element in root.find("ModelVariables"):
-        if isinstance(element.tag, str):
-            own, declared = _says_relative(element), _carrier(element).get("declaredType")
-            if types.get(declared) if own is None else own:
-                found |= {element.get("name"), *(alias.get("name") for alias in element.findall("Alias"))}
-    return frozenset(found)
+def _saying(root: Any, attribute: str, words: tuple[str, ...] = ("true", "1")) -> frozenset[str]:
+    """Find the variables that have a Boolean attribute, of themselves or of their kind, at a value."""
+    return frozenset(
+        name
+        for element in root.find("ModelVariables")
+        if isinstance(element.tag, str) and (element.get(attribute) or carrier(element).get(attribute)) in words
+        for name in _names(element)
+    )
 
 
-def _carrier(element: Any) -> Any:
-    """Return the element of a variable or type that has the attributes of its kind: in FMI 2 it is inside."""
-    return element[0] if element.tag in ("ScalarVariable", "SimpleType") else element
+def _set_once(root: Any) -> frozenset[str]:
+    return _saying(root, "canHandleMultipleSetPerTimeInstant", ("false", "0"))
 
 
-def _says_relative(element: Any) -> bool | None:
-    text = _carrier(element).get("relativeQuantity")
-    return None if text is None else text in ("true", "1")
+def display_units(root: Any) -> dict[str, tuple[DisplayUnit, ...]]:
+    """Return the display units of each unit; ValueError for one that is inverse and has an offset."""
+    found = {}
+    for unit in root.iterfind("UnitDefinitions/Unit"):
+        displays = []
+        for element in unit.iterfind("DisplayUnit"):
+            factor, offset = float(element.get("factor", "1")), float(element.get("offset", "0"))
+            display = DisplayUnit(element.get("name"), factor, offset, element.get("inverse") in ("true", "1"))
+            if display.inverse and offset:
+                raise ValueError(
+                    f"line {element.sourceline}: the display unit {display.name!r} of {unit.get('name')!r} is inverse "
+                    f"and has the offset {offset:g}: expected none"
+                )
+            displays.append(display)
+        found[unit.get("name")] = tuple(displays)
+    return found
 
 
 def directional_derivatives(root: Any) -> frozenset[str]:
     """Return the kinds of interface that offer them; of FMI 3.0, fmpy does not read this."""
-    name = "providesDirectionalDerivative" + ("s" if root.get("fmiVersion") == "3.0" else "")
+    name = "providesDirectionalDerivative" + ("s" if major_version(root.get("fmiVersion")) == 3 else "")
     elements = {"model-exchange": "ModelExchange", "co-simulation": "CoSimulation"}
     return frozenset(k for k, e in elements.items() if (x := root.find(e)) is not None and x.get(name) in ("true", "1"))
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+import logging
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from itertools import product
-from math import prod
+from math import inf, prod
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal
 
@@ -21,14 +22,17 @@ from fmus.archive import LARGEST_XML, Archive
 from fmus.catalog import find
 from fmus.errors import AdcsError, Unsupported, shown
 from fmus.freshness import warn_if_outdated
-from fmus.readable import for_fmpy
+from fmus.readable import read_model
 from fmus.references import unresolved
+from fmus.versions import major_version, newer_minor
 from fmus.xml import parse
 from orchestration.description import (
     Clock,
+    DisplayUnit,
     Extras,
     check_structure,
     directional_derivatives,
+    display_units,
     read_extras,
 )
 from orchestration.feedthrough import Feedthrough
@@ -42,6 +46,7 @@ Kind = Literal["co-simulation", "model-exchange"]
 _FMI2_TYPES = {"Real": "Float64", "Integer": "Int32", "Enumeration": "Int32"}
 _FMI3_TYPES = {"Enumeration": "Int64"}
 
+_log = logging.getLogger("adcs")
 _NOT_FOR_RUNNING = ("sources/", "documentation/", "terminalsAndIcons/")
 _AGAIN = "build or download it again"
 _MOST_ELEMENTS = 1_000_000  # of an array
@@ -77,6 +82,10 @@ class Port:
     """Of which variable it is another name (`<Alias>` of FMI 3.0)."""
     relative: bool = False
     """Whether it is a difference (relativeQuantity), of temperatures say: the offset of a unit is none of it."""
+    max_size: int | None = None
+    """Of a Binary variable, how many bytes a value may have."""
+    set_once: bool = False
+    """Whether it may be set only once at an instant, and so be in no loop that is solved by trying."""
 
     @property
     def size(self) -> int:
@@ -118,6 +127,8 @@ class Fmu:
     clocks: tuple[Clock, ...] = ()
     clocked: Mapping[int, frozenset[int]] = field(default_factory=dict)
     """The clocks (references) to which a clocked variable (reference) belongs: it has no value of its own between."""
+    display_units: Mapping[str, tuple[DisplayUnit, ...]] = field(default_factory=dict)
+    """By the name of the unit, those in which values may be given instead."""
 
     @cached_property
     def nodes(self) -> Nodes:
@@ -284,13 +295,17 @@ def _open(path: Path, modified: int, size: int) -> Fmu:
         content = archive.read("modelDescription.xml", LARGEST_XML)
     xml = parse(content, f"modelDescription.xml of {path}")
     version = xml.get("fmiVersion")
-    if version not in ("2.0", "3.0"):
-        raise AdcsError(f"{path} is FMI {version}: only 2.0 and 3.0 are supported")
+    try:
+        major_version(version)
+    except ValueError as error:
+        raise AdcsError(f"{path} {error}") from None
+    if (more := newer_minor(version)) is not None:
+        _log.warning(f"{path.name} {more}")
     try:
         check_structure(xml)
         for problem in unresolved(xml):
             raise ValueError(problem)
-        model = fmpy.read_model_description(for_fmpy(content, xml))
+        model = read_model(content, xml)
         extras = read_extras(xml)
         ports, places = _unite(model, extras)
         return Fmu(
@@ -303,6 +318,7 @@ def _open(path: Path, modified: int, size: int) -> Fmu:
             directional=directional_derivatives(xml),
             clocks=extras.clocks,
             clocked=extras.clocked,
+            display_units=display_units(xml),
         )
     except ValidationError as error:
         raise AdcsError(f"{path} is not valid: {_one_line(error.problems[0])}") from error
@@ -405,7 +421,6 @@ def _shape(members: list[ModelVariable], extras: Extras) -> tuple[int, ...] | No
 def _port(name: str, shape: tuple[int, ...], variables: list[ModelVariable], fmi2: bool, extras: Extras) -> Port:
     first = variables[0]
     kind = (_FMI2_TYPES if fmi2 else _FMI3_TYPES).get(first.type, first.type)
-    unit = first.unit or (first.declaredType.unit if first.declaredType is not None else None)
     texts = [v.start for v in variables] if fmi2 else list(extras.starts.get(name, [first.start]))
     try:
         start = _start(texts, kind, prod(shape))
@@ -417,7 +432,7 @@ def _port(name: str, shape: tuple[int, ...], variables: list[ModelVariable], fmi
         name=name,
         shape=shape,
         type="Boolean" if kind == "Clock" else kind,
-        unit=unit,
+        unit=first.unit,
         causality="local" if timed else first.causality,
         variability=first.variability,
         initial=None if timed else first.initial,
@@ -428,14 +443,27 @@ def _port(name: str, shape: tuple[int, ...], variables: list[ModelVariable], fmi
         declared_type=None if first.declaredType is None else first.declaredType.name,
         alias_of=first.alias.name if first.alias is not None else None,
         relative=first.name in extras.relative,
-        limits=extras.limits.get(first.name, (None, None)),
+        max_size=extras.largest.get(first.name),
+        set_once=first.name in extras.set_once,
+        limits=_limits(first),
     )
 
 
+def _limits(variable: ModelVariable) -> tuple[int | None, int | None]:
+    """Return the range of a structural parameter that may be a size."""
+    if variable.causality != "structuralParameter" or variable.type != "UInt64":
+        return None, None
+    low, high = variable.min, variable.max
+    return None if low is None else int(low), None if high is None else int(high)
+
+
 def _items(variable: ModelVariable) -> tuple[tuple[str, int], ...]:
+    """Return names and numbers of an enumeration's items, of those that min and max allow."""
     if variable.declaredType is None:
         return ()
-    return tuple((item.name, int(item.value)) for item in variable.declaredType.items)
+    low, high = float(variable.min or -inf), float(variable.max or inf)
+    numbers = ((item.name, int(item.value)) for item in variable.declaredType.items)
+    return tuple((name, number) for name, number in numbers if low <= number <= high)
 
 
 def _start(texts: list[str | None], kind: str, size: int) -> tuple[Any, ...] | None:

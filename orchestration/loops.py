@@ -78,11 +78,25 @@ class _Solver:
         self._parts = [slice(i, j) for i, j in itertools.pairwise(bounds)]
         fed = [f"{call.component}.{element}" for call in loop.sets for element in call.elements]
         self._name = f"the algebraic loop of {', '.join(fed[:6])}{', ...' if len(fed) > 6 else ''}"
+        if not initial:
+            self._refuse_inputs_set_once()
         discrete = any(call.type not in ("Float64", "Float32") for call in (*loop.sets, *loop.gets))
         self._newton = solver.method == "newton" and not discrete
         components = dict.fromkeys(call.component for call in loop.sets)
         self._exact = not initial and all(instances[c].has_directional_derivatives for c in components)
         self.report = LoopReport(", ".join(fed), "newton" if self._newton else "fixed-point")
+
+    def _refuse_inputs_set_once(self) -> None:
+        """Refuse a loop through an input that an FMU, in an event, lets be set only once at an instant."""
+        for call in self._loop.sets:
+            instance = self._instances[call.component]
+            if instance.kind == "model-exchange" or instance.fmu.clocks:
+                for port in instance.fmu.ports.values():
+                    if port.set_once and set(port.references) & set(call.references):
+                        raise AdcsError(
+                            f"{self._name} cannot be solved: {call.component}.{port.name} may be set only once at an "
+                            "instant (canHandleMultipleSetPerTimeInstant), give a connection of it a delay"
+                        )
 
     def solve(self) -> None:
         u = self._present()

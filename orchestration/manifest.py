@@ -12,6 +12,7 @@ import numpy as np
 
 from fmus import paths
 from fmus.freshness import outdated
+from orchestration.advice import odd_steps, outside_range
 from orchestration.fmu import FmiVersion
 from orchestration.seeds import is_seed, shared_seeds
 from orchestration.system import Connection, System
@@ -41,7 +42,7 @@ def make_manifest(system: System, fmi_version: FmiVersion, settings: dict[str, A
             if is_seed(port) or port.name == "seed" or port.name.endswith("_seed"):
                 default = None if port.start is None else _nested(port.start, port.shape)
                 seeds[f"{component.name}.{port.name}"] = start.get(port.name, default)
-    warnings += shared_seeds(system)
+    warnings += [*shared_seeds(system), *outside_range(system), *odd_steps(system, fmi_version, settings)]
     return {
         "system": {
             "name": system.name,

@@ -65,6 +65,9 @@ def binary_values(name: str, port: Port, value: Any) -> tuple[bytes, ...]:
         raise AdcsError(f"{name} = {value!r}: expected {size_text(port.shape)}") from None
     if shape != port.shape:
         raise AdcsError(f"{name}: expected {size_text(port.shape)}, got {size_text(shape)}")
+    longest = max(map(len, found), default=0)
+    if port.max_size is not None and longest > port.max_size:
+        raise AdcsError(f"{name} has {longest} bytes: expected at most {port.max_size} (maxSize)")
     return found
 
 

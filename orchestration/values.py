@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from fmus.errors import AdcsError, shown
+from orchestration.description import DisplayUnit
 from orchestration.fmu import Fmu, Port
 
 _DEEPEST = 30  # lists in each other, which is as many dimensions as anybody has
@@ -50,12 +52,12 @@ def _numbers(fmu: Fmu, port: Port, text: str) -> Any:
     names = {name for name, _ in port.items}
     if names.issuperset(entries := [entry.strip() for entry in words.split(",")]):
         return entries if port.shape else entries[0]
-    factor, offset = 1.0, 0.0
+    unit = None
     units = _units(fmu, port)
-    for unit in sorted(units, key=len, reverse=True):
-        if words.endswith(unit) and not _is_json(words):
-            words = words.removesuffix(unit).strip()
-            factor, offset = units[unit]
+    for name in sorted(units, key=len, reverse=True):
+        if words.endswith(name) and not _is_json(words):
+            words = words.removesuffix(name).strip()
+            unit = units[name]
             break
     if not _is_json(words):
         known = f", in {' or '.join(units)}" if units else ""
@@ -63,20 +65,28 @@ def _numbers(fmu: Fmu, port: Port, text: str) -> Any:
             f"{port.name} = {shown(repr(text))} cannot be read: write a number, or 1,2,3, or [[1,2],[3,4]]{known}"
         )
     value = json.loads(words) if _is_json(words, bare=True) else json.loads(f"[{words}]")
-    if (factor, offset) == (1.0, 0.0):
-        return value
-    try:
-        return (np.asarray(value, float) - offset) / factor
-    except (ValueError, TypeError, OverflowError):  # rows of different lengths, or no numbers
-        raise AdcsError(f"{port.name} = {shown(repr(text))}: expected numbers before {unit!r}") from None
+    return value if unit is None or unit.plain else _converted(value, unit, port, text)
 
 
-def _units(fmu: Fmu, port: Port) -> dict[str, tuple[float, float]]:
-    """Return the names by which a value may be given -> (factor, offset) of FMI: shown = factor * value + offset."""
+def _units(fmu: Fmu, port: Port) -> dict[str, DisplayUnit]:
+    """Return the units in which a value may be given, by name; its own is the first."""
     if port.unit is None:
         return {}
-    displays = [d for u in fmu.model.unitDefinitions if u.name == port.unit for d in u.displayUnits]
-    return {port.unit: (1.0, 0.0), **{d.name: (d.factor, 0.0 if port.relative else d.offset) for d in displays}}
+    others = (replace(u, offset=0.0) if port.relative else u for u in fmu.display_units.get(port.unit, ()))
+    return {port.unit: DisplayUnit(port.unit), **{unit.name: unit for unit in others}}
+
+
+def _converted(value: Any, unit: DisplayUnit, port: Port, text: str) -> Any:
+    """Return in its own unit what is given in a display unit of it."""
+    try:
+        array = np.asarray(value, float)
+        with np.errstate(all="ignore"):  # what comes of it is looked at
+            own = unit.factor / array if unit.inverse else (array - unit.offset) / unit.factor
+    except (ValueError, TypeError, OverflowError):  # rows of different lengths, or no numbers
+        raise AdcsError(f"{port.name} = {shown(repr(text))}: expected numbers before {unit.name!r}") from None
+    if not np.isfinite(own).all():
+        raise AdcsError(f"{port.name} = {shown(repr(text))} is not finite in {port.unit}: expected a finite number")
+    return own
 
 
 def _is_json(text: str, bare: bool = False) -> bool:

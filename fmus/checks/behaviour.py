@@ -19,7 +19,7 @@ from fmpy.model_description import ModelDescription
 from fmus.archive import LARGEST_XML, Archive
 from fmus.checks import Failure, Note
 from fmus.paths import PACKAGE
-from fmus.readable import for_fmpy
+from fmus.readable import read_model
 from fmus.xml import parse
 
 _MARKS = {"finding: ": str, "note: ": Note}
@@ -72,8 +72,8 @@ def initialised(path: Path) -> Iterator[str]:
         content = archive.read("modelDescription.xml", LARGEST_XML)
     root = parse(content, "modelDescription.xml")
     texts = _texts(root)
-    model = fmpy.read_model_description(for_fmpy(content, root), validate=False)
-    is_fmi2 = not model.fmiVersion.startswith("3.")
+    model = read_model(content, root, validate=False)
+    is_fmi2 = model.fmiMajorVersion == 2
     folders = [fmpy.platform_tuple]  # in FMI 2 since 2.0.4
     if is_fmi2 and fmpy.platform_tuple != "aarch64-linux":  # which is not FMI 2's linux64
         folders.insert(0, fmpy.platform)
@@ -165,7 +165,7 @@ def _texts(root: Any) -> dict[str, list[str]]:
 
 
 def _check_starts(fmu: FMU2Slave | FMU3Slave, model: ModelDescription, texts: dict[str, list[str]]) -> Iterator[str]:
-    is_fmi2 = not model.fmiVersion.startswith("3.")
+    is_fmi2 = model.fmiMajorVersion == 2
     for v in model.modelVariables:
         # what is only a guess is another value by now; an alias has the value of what it stands for
         if v.start is None or v.initial != "exact" or v.type == "Clock" or v.clocks or v.alias is not None:

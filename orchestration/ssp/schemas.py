@@ -48,6 +48,12 @@ def schema(kind: Kind, version: Version) -> etree.XMLSchema:
     return etree.XMLSchema(etree.fromstring(_amended(_FILES[kind]), parser))
 
 
+def source(kind: str, version: Version) -> bytes:
+    """Return the text of the schema of `ssc`, `ssd`, `ssv`, `ssm` or, of signal dictionaries, `ssb` documents."""
+    file = f"{_BASE.rpartition('/')[2]}SignalDictionary.xsd" if kind == "ssb" else _FILES[kind]
+    return (_FOLDER / file).read_bytes() if version == "1.0" or kind == "ssb" else _amended(file)
+
+
 class _Amended(etree.Resolver):  # type: ignore[misc]
     """Gives the amended file where a schema imports another."""
 

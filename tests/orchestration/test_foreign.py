@@ -459,6 +459,18 @@ def test_descriptions_that_fmpy_does_not_read_are_read(foreign, tmp_path):
     assert run(alone(path), stop_time=0.2, step=0.1)["c.count"].tolist() == [1, 2, 3]
 
 
+def test_a_clock_ticks_at_the_interval_of_its_declared_type(foreign, tmp_path):
+    fmu = foreign("rigid_clock")
+    path = foreign_fmus.changed(fmu, tmp_path / "a.fmu", ' intervalDecimal="0.25"', ' declaredType="Steady"')
+    with pytest.raises(
+        AdcsError, match=r"is not valid: steady \(line \d+\): declaredType refers to 'Steady', which TypeDef"
+    ):
+        open_fmu(path)
+    types = '<TypeDefinitions><ClockType name="Steady" intervalVariability="constant" intervalDecimal="0.25"/>'
+    path = foreign_fmus.changed(path, tmp_path / "b.fmu", "<TypeDefinitions>", types)
+    assert run(alone(path), stop_time=1.0, step=0.25)["c.steady_n"].tolist() == [1, 2, 3, 4, 5]
+
+
 def test_time_based_clocks_are_not_for_users_to_tick(foreign):
     with pytest.raises(
         AdcsError, match=r"^c\.tick cannot be given a start value: it is a time-based clock, which ticks by itself$"

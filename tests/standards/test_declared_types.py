@@ -118,21 +118,21 @@ def test_a_clock_takes_its_times_from_its_type(opened, said, found):
         (
             '<Float64 name="v" valueReference="1" declaredType="U"/>',
             '<Float64Type name="T"/>',
-            "declaredType refers to 'U', which TypeDefinitions does not define",
+            "v (line 1): declaredType refers to 'U', which TypeDefinitions does not define",
         ),
         (
             '<Clock name="v" valueReference="1" intervalVariability="triggered" declaredType="U"/>',
             "",
-            "declaredType refers to 'U', which TypeDefinitions does not define",
+            "v (line 1): declaredType refers to 'U', which TypeDefinitions does not define",
         ),
         (
             '<Float64 name="v" valueReference="1" declaredType="T"/>',
             '<Int32Type name="T"/>',
-            "v has the type 'T', which is of the kind Int32Type, expected Float64Type",
+            "line 1: v has the type 'T', which is of the kind Int32Type, expected Float64Type",
         ),
     ],
 )
 def test_types_that_do_not_fit_are_refused(opened, tmp_path, variable, types, message):
     with pytest.raises(AdcsError) as error:
         opened("3.0", variable, types)
-    assert str(error.value) == f"{tmp_path}/c.fmu is not valid: line 1: {message}"
+    assert str(error.value) == f"{tmp_path}/c.fmu is not valid: {message}"

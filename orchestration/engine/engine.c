@@ -194,11 +194,13 @@ static size_t first_not_finite(const double* values, size_t n) {
 /* Of a factor or offset between integers: _MOST of propagation.py. */
 #define MOST 0x1p70
 
+__extension__ typedef __int128 Wide; /* holds every product of the two */
+
 /* Infinity, which no integer takes, where a double could not hold the result. */
 static double whole(const Piece* piece, double value) {
     if (!(fabs(value) <= (double)EXACT && fabs(piece->factor) <= MOST && fabs(piece->offset) <= MOST)) return INFINITY;
-    const __int128 sum = (__int128)piece->factor * (__int128)value + (__int128)piece->offset;
-    return sum < -EXACT || sum > EXACT ? INFINITY : (double)sum;
+    const Wide sum = (Wide)piece->factor * (Wide)value + (Wide)piece->offset;
+    return sum < -EXACT || sum > EXACT ? (double)INFINITY : (double)sum;
 }
 
 /* Values outside the mapping become NaN, which no type takes. */

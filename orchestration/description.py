@@ -169,6 +169,8 @@ def _clock(element: Any) -> Clock:
     interval: Fraction | float | None = None
     shift: Fraction | float = float(element.get("shiftDecimal", "0"))
     resolution = element.get("resolution")
+    if resolution is not None and int(resolution) == 0:
+        raise ValueError(f"clock {element.get('name')} has the resolution 0: expected a whole number from 1")
     if resolution is not None and element.get("intervalCounter") is not None:
         interval = Fraction(int(element.get("intervalCounter")), int(resolution))
         shift = Fraction(int(element.get("shiftCounter", "0")), int(resolution))

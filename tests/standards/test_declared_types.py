@@ -126,6 +126,11 @@ def test_a_clock_takes_its_times_from_its_type(opened, said, found):
             "v (line 1): declaredType refers to 'U', which TypeDefinitions does not define",
         ),
         (
+            '<Clock name="v" valueReference="1" intervalVariability="constant" declaredType="T"/>',
+            '<ClockType name="T" intervalVariability="constant" resolution="0" intervalCounter="1"/>',
+            "clock v has the resolution 0: expected a whole number from 1",
+        ),
+        (
             '<Float64 name="v" valueReference="1" declaredType="T"/>',
             '<Int32Type name="T"/>',
             "line 1: v has the type 'T', which is of the kind Int32Type, expected Float64Type",

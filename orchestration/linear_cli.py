@@ -60,13 +60,12 @@ def linearize(
 ) -> None:
     """Linearise a component or a closed loop: matrices A, B, C, D, and eigenvalues with frequency and damping."""
     from orchestration.linear import linearize as linearize_
-    from orchestration.words import assigned, sizes_first
+    from orchestration.words import assign
 
     if out is not None and out.suffix not in (".mat", ".json"):
         raise AdcsError(f"--out {out}: give a name that ends in .mat or .json")
     built, alone = _find(system)
-    for assignment in sizes_first(built, set_ or [], alone):
-        built.set(*assigned(built, assignment, alone=alone))
+    assign(built, set_ or [], alone)
     found = linearize_(
         built,
         _seconds(at),

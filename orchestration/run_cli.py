@@ -24,7 +24,7 @@ from orchestration.run_files import RunFiles
 from orchestration.session import Stepping
 from orchestration.showing import Format, as_json, command_line, exit_code, progress, show, write_report
 from orchestration.system import System
-from orchestration.words import assigned, seconds, sizes_first, whole
+from orchestration.words import assign, assigned, seconds, whole
 
 _LARGE = 20_000_000  # values; more are written, but not read again for key numbers and report
 _NUMERICS, _DURING, _RESULTS = "How it is solved", "What happens during the run", "Results"
@@ -241,8 +241,7 @@ def run(
     """Run a system: write the result, manifest.json, report.html, report.png, and print the key numbers."""
     entry = find_system(system)
     built = entry.build()
-    for assignment in sizes_first(built, set_ or []):
-        built.set(*assigned(built, assignment))
+    assign(built, set_ or [])
     for assignment in every or []:
         _every(built, assignment)
     for assignment in delay or []:

@@ -31,13 +31,25 @@ def assigned(system: System, assignment: str, option: str = "--set", alone: str 
     return name, parse_value(system.components[component].fmu, port, text)
 
 
-def sizes_first(system: System, assignments: Sequence[str], alone: str | None = None) -> list[str]:
-    """Return assignments in the order in which they can be made: structural parameters say what size others have."""
+def assign(system: System, assignments: Sequence[str], alone: str | None = None) -> None:
+    """Set the start values that `--set` gives: structural parameters first, which say what size others have.
 
+    Of two for the same name the later one counts; two for two names of one variable are refused.
+    """
+    given: dict[Any, str] = {}
+    for assignment in _sizes_first(system, assignments, alone):
+        name, value = assigned(system, assignment, alone=alone)
+        for other in (given[place] for place in system.places(name) if given.get(place, name) != name):
+            raise AdcsError(f"--set {name} and --set {other} are for two names of one variable: give one of them")
+        given.update(dict.fromkeys(system.places(name), name))
+        system.set(name, value)
+
+
+def _sizes_first(system: System, assignments: Sequence[str], alone: str | None) -> list[str]:
     def later(assignment: str) -> bool:
         name = full_name(assignment.partition("=")[0].strip(), alone)
         try:
-            return system.port(name)[1].causality != "structuralParameter"
+            return not system.port(name)[1].structural
         except AdcsError:  # which is refused when its turn comes
             return True
 

@@ -20,7 +20,7 @@ from hil_bridge.hil.wiring import Wiring
 from orchestration.named import find_system
 from orchestration.results import Result, RunFailed, RunInterrupted
 from orchestration.showing import REPORT_FILES, as_json, exit_code, progress, show, write_files, write_report
-from orchestration.words import assigned, sizes_first
+from orchestration.words import assign
 
 _LINE, _TERMS, _SIGNALS, _RESULTS = "Connection", "Time", "What it sees and moves", "Results"
 
@@ -122,8 +122,7 @@ def hil(
     """Let an autopilot fly a system over TCP, as PX4's simulators do: sensors out, actuator controls in."""
     entry = find_system(system)
     built = entry.build()
-    for assignment in sizes_first(built, set_ or []):
-        built.set(*assigned(built, assignment))
+    assign(built, set_ or [])
     wiring = Wiring.find(built, torque)
     effect = Actuators.from_csv(actuators) if actuators else Actuators.by_axis(_numbers(max_torque))
     terms = Terms(not free_running, timeout, warm_up, speed, frame, epoch, not no_truth, not no_star_tracker)

@@ -35,7 +35,7 @@ def export_command(
     """
     from orchestration.ssp.read import read_ssp
     from orchestration.ssp.write import write_ssp
-    from orchestration.words import assigned, sizes_first
+    from orchestration.words import assign
     from studies.registry import SYSTEMS
 
     start_time = 0.0
@@ -55,8 +55,7 @@ def export_command(
     target = file or Path(f"{system}.ssp")
     if target.suffix != ".ssp":
         raise AdcsError(f"{target} does not end in .ssp: write adcs export SYSTEM --ssp FILE.ssp")
-    for assignment in sizes_first(built, set_ or []):
-        built.set(*assigned(built, assignment))
+    assign(built, set_ or [])
     write_ssp(
         built,
         target,

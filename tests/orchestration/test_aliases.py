@@ -8,6 +8,7 @@ import pytest
 from fmus.errors import AdcsError
 from orchestration import System, run
 from orchestration.single import single
+from orchestration.words import assign
 
 TIMES = np.array([0.0, 0.1, 0.2])
 
@@ -86,6 +87,16 @@ def test_start_values(names):
         AdcsError, match=r"^c\.u and c\.uu are names of one variable, and are given different start val"
     ):
         System("two").add("c", names(), {"u": [5.0, 6.0], "uu": [6.0, 6.0]})
+
+
+def test_start_values_on_the_command_line(names):
+    system = single(names())
+    assign(system, ["names.uu=1,2", "names.uu=5,6"])
+    assert system.components["names"].start == {"u": (5.0, 6.0)}
+    with pytest.raises(
+        AdcsError, match=r"^--set names\.u and --set names\.uu are for two names of one variable: give one"
+    ):
+        assign(system, ["names.uu=1,2", "names.u=1,2"])
 
 
 def test_a_start_value_and_a_connection(names, ramp):

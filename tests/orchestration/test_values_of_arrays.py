@@ -15,7 +15,7 @@ from orchestration import System, run
 from orchestration.fmu import open_fmu
 from orchestration.system import checked_value
 from orchestration.values import parse_value
-from orchestration.words import assigned, sizes_first
+from orchestration.words import assign, assigned
 
 Foreign = Callable[..., Path]
 
@@ -92,16 +92,11 @@ def test_refused(foreign, name, shape, text, expected):
     assert len(str(error.value)) < 500
 
 
-def assign(system: System, *texts: str) -> None:
-    for text in sizes_first(system, texts):
-        system.set(*assigned(system, text))
-
-
 def test_texts_of_a_component_are_given_on_the_command_line(foreign):
     system = System("texts")
     inputs = {f"u_{t}": False if t == "Boolean" else 7 for t in foreign_fmus.NUMBERS}
     system.add("c", foreign("types"), inputs)
-    assign(system, 'c.words=["ab","c"]', "c.word=four", "c.blob=0102f0")
+    assign(system, ['c.words=["ab","c"]', "c.word=four", "c.blob=0102f0"])
     result = run(system, stop_time=1.0, step=1.0)
     assert result["c.letters"][0] == 7
     assert result["c.bytes"][0] == 1 + 2 + 240
@@ -110,7 +105,7 @@ def test_texts_of_a_component_are_given_on_the_command_line(foreign):
 def test_an_array_that_has_become_one_of_one_element(foreign):
     system = System("one")
     system.add("c", foreign("sizes"))
-    assign(system, "c.u=7", "c.n=1")
+    assign(system, ["c.u=7", "c.n=1"])
     assert run(system, stop_time=1.0, step=1.0)["c.total"].tolist() == [7, 7]
 
 
@@ -121,7 +116,7 @@ def test_one_element_is_not_set_alone(foreign, name):
     system.add("c", foreign("sizes"), {"u": [1.0, 2.0, 3.0]})
     for value in ("7", "7,8,9"):
         with pytest.raises(AdcsError) as error:
-            assign(system, f"{name}={value}")
+            assign(system, [f"{name}={value}"])
         assert str(error.value) == (
             f"--set {name}={value}: {name} is one of the 3 elements of c.u: give all of them, as c.u=VALUE"
         )
@@ -132,7 +127,7 @@ def test_nor_is_that_of_an_array_of_one(foreign):
     system = System("elements")
     system.add("c", foreign("sizes"), {"n": 1, "u": [7.0]})
     with pytest.raises(AdcsError, match=r"c\.u\[1\] is one of the 1 elements of c\.u: give all of them, as c\.u=VALUE"):
-        assign(system, "c.u[1]=7")
+        assign(system, ["c.u[1]=7"])
 
 
 def test_elements_of_fmi_2_are_those_of_an_array_too():

@@ -127,6 +127,8 @@ class Fmu:
     clocks: tuple[Clock, ...] = ()
     clocked: Mapping[int, frozenset[int]] = field(default_factory=dict)
     """The clocks (references) to which a clocked variable (reference) belongs: it has no value of its own between."""
+    resized: frozenset[str] = frozenset()
+    """The arrays whose size a structural parameter was given for: the values that the FMU has for them are invalid."""
     display_units: Mapping[str, tuple[DisplayUnit, ...]] = field(default_factory=dict)
     """By the name of the unit, those in which values may be given instead."""
 
@@ -167,7 +169,7 @@ class Fmu:
                 sizes[port.references[0]] = _size(port, values[0])
         if not sizes:
             return self
-        ports = dict(self.ports)
+        ports, resized = dict(self.ports), set()
         for variable in self.model.modelVariables:
             if any(d.valueReference in sizes for d in variable.dimensions):
                 old = self.ports[variable.name]
@@ -182,8 +184,9 @@ class Fmu:
                     )
                 values = tuple(set(old.start or ()))
                 same = values * prod(shape) if len(values) == 1 or not prod(shape) else None
-                ports[old.name] = replace(old, shape=shape, start=same)
-        return replace(self, ports=ports, states=_states(self.model, ports))
+                ports[old.name] = replace(old, shape=shape, start=old.start if shape == old.shape else same)
+                resized.add(old.name)
+        return replace(self, ports=ports, states=_states(self.model, ports), resized=frozenset(resized))
 
     @cached_property
     def platforms(self) -> tuple[str, ...]:

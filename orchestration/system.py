@@ -153,6 +153,7 @@ class System:
         component.start.update(_starts(name, component.fmu, structural))
         component.fmu = _configured(name, component.fmu, component.start)
         component.start.update(_starts(name, component.fmu, given))
+        _give_defaults(component)
         for port in seeds_of(component.fmu.ports.values()):
             component.start.setdefault(port.name, default_seed(name, port))
         self.components[name] = component
@@ -203,6 +204,7 @@ class System:
                         f"and has {size_text(new.ports[end.port.name].shape)} then: set {parameter.name} before"
                     )
         component.start, component.fmu = start, new
+        _give_defaults(component)
 
     def connect(
         self,
@@ -346,6 +348,12 @@ class System:
         if not self.components:
             raise AdcsError(f"system {self.name!r} has no components: add one")
         for component in self.components.values():
+            for port in _resized(component):
+                if port.name not in component.start:
+                    raise AdcsError(
+                        f"{component.name}.{port.name} has {size_text(port.shape)} by its structural parameters, and "
+                        "the FMU has no start values for so many: give it a start value"
+                    )
             nodes = component.fmu.nodes
             for port in component.fmu.ports.values():
                 if port.causality != "input" or not port.type.startswith(NUMERIC) or port is not nodes.main(port):
@@ -406,6 +414,20 @@ def _configured(component: str, fmu: Fmu, start: Mapping[str, Sequence[Any]]) ->
         return fmu.configured(start)
     except AdcsError as error:
         raise AdcsError(f"{component}.{error}") from None
+
+
+def _resized(component: Component) -> list[Port]:
+    """Return what needs start values, since those that the FMU has are invalid once a size is given; inputs aside."""
+    ports = (component.fmu.ports[name] for name in sorted(component.fmu.resized))
+    of_its_own = (port for port in ports if port is component.fmu.nodes.main(port))
+    return [port for port in of_its_own if port.size and port.settable and port.causality != "input"]
+
+
+def _give_defaults(component: Component) -> None:
+    """Give arrays of another size the start value of the FMU where one value stands for all elements."""
+    for port in _resized(component):
+        if port.start is not None:
+            component.start.setdefault(port.name, port.start)
 
 
 def _pairs(link: str, target: Port, mapping: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:

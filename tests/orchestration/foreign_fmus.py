@@ -127,6 +127,14 @@ MODELS: dict[str, Model] = {
         ],
         versions=("3.0",),
     ),
+    "invalid": Model(
+        [
+            structural("n", 2, "UInt64"),
+            *(parameter("same", 2.0, shape=("n",)), parameter("each", [3.0, 4.0], shape=("n",))),
+            Variable("sums", shape=(2,)),
+        ],
+        versions=("3.0",),
+    ),
     "names": Model(
         [
             input_("u", [1.0, 2.0], shape=(2,), aliases=("uu",)),

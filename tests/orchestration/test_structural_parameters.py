@@ -71,6 +71,30 @@ def test_values_that_are_refused(square, start, message):
         single(square, start)
 
 
+@pytest.mark.parametrize("late", [False, True])
+def test_values_that_another_size_makes_invalid(foreign, late):
+    system = System("resized")
+    system.add("c", foreign("invalid"), {} if late else {"n": 3})
+    if late:
+        system.set("c.n", 3)
+    assert system.components["c"].start == {"n": (3,), "same": (2.0, 2.0, 2.0)}
+    with pytest.raises(
+        AdcsError, match=r"^c\.each has 3 values by its structural parameters, and the FMU has no start "
+    ):
+        run(system, stop_time=0.1, step=0.1)
+    system.set("c.each", [1.0, 2.0, 3.0])
+    assert run(system, stop_time=0.1, step=0.1)["c.sums"].tolist() == [[6.0, 6.0]] * 2
+    system.set("c.same", [1.0, 1.0, 1.0])
+    assert run(system, stop_time=0.1, step=0.1)["c.sums"].tolist() == [[3.0, 6.0]] * 2
+    with pytest.raises(AdcsError, match=r"^c\.n = 2: c\.same was given 3 values and has 2 values then: set n first$"):
+        system.set("c.n", 2)
+
+
+def test_values_of_a_size_that_is_given_and_stays(foreign):
+    result = run(single(foreign("invalid"), {"n": 2}), stop_time=0.1, step=0.1)
+    assert result["invalid.sums"].tolist() == [[4.0, 7.0]] * 2
+
+
 @pytest.mark.parametrize("stepping", ["compiled", "python"])
 def test_arrays_of_size_0(square, stepping, tmp_path):
     system = System("empty")

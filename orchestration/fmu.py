@@ -416,6 +416,7 @@ def _shape(members: list[ModelVariable], extras: Extras) -> tuple[int, ...] | No
         (v.type, v.unit, v.causality, v.variability, v.initial, v.start is None)
         == (first.type, first.unit, first.causality, first.variability, first.initial, first.start is None)
         and (v.name in extras.relative) == (first.name in extras.relative)
+        and _items(v) == _items(first)
         for v in members
     )
     return shape if alike and indices == list(product(*(range(1, n + 1) for n in shape))) else None

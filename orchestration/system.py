@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, shown
 from orchestration.fmu import FmiVersion, Fmu, Port, locate, open_fmu
 from orchestration.nodes import Place
 from orchestration.number_types import BEYOND, first_beyond, first_misfit
@@ -498,10 +498,15 @@ def checked_value(name: str, port: Port, value: Value) -> tuple[Any, ...]:
     value = item_numbers(name, port, value)
     try:
         array = np.asarray(value)
-        if array.dtype == object:
-            raise ValueError
-    except ValueError:
-        raise AdcsError(f"{name} = {value!r}: expected {size_text(port.shape)}") from None
+    except ValueError:  # rows of different lengths
+        raise AdcsError(f"{name} = {shown(repr(value))}: expected {size_text(port.shape)}") from None
+    if array.dtype == object:
+        if not all(isinstance(v, int) for v in array.flat):
+            raise AdcsError(f"{name} = {shown(repr(value))}: expected {size_text(port.shape)}")
+        try:  # some of them are beyond 64 bits, which only a Float may hold
+            array = np.asarray(value, float if port.type.startswith("Float") else np.int64)
+        except OverflowError:
+            raise AdcsError(f"{name} = {shown(repr(value))} is outside the range of {port.type}") from None
     if array.shape != port.shape:
         raise AdcsError(f"{name}: expected {size_text(port.shape)}, got {size_text(array.shape)}")
     flat = array.ravel()

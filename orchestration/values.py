@@ -61,6 +61,7 @@ def _numbers(fmu: Fmu, port: Port, text: str) -> Any:
             break
     if not _is_json(words):
         known = f", in {' or '.join(units)}" if units else ""
+        known += f", or {', '.join(repr(name) for name in names)}" if port.items else ""
         raise AdcsError(
             f"{port.name} = {shown(repr(text))} cannot be read: write a number, or 1,2,3, or [[1,2],[3,4]]{known}"
         )

@@ -244,3 +244,14 @@ def test_the_ends_of_every_range(kind):
 def test_only_integers_beyond_the_limit_are():
     assert first_beyond([2**53, -(2**53), 0]) is None
     assert first_beyond([0, -FIRST]) == 1
+
+
+def test_integers_of_any_length(types):
+    system = alone(types)
+    system.set("c.u_Float64", 10**30)
+    assert system.components["c"].start["u_Float64"] == (1e30,)
+    for kind, number in (("UInt64", 2**64), ("Int64", -(2**63) - 1), ("Int8", 10**30), ("Float64", 10**400)):
+        with pytest.raises(AdcsError, match=rf"^c\.u_{kind} = -?\d+(\.\.\.)? is outside the range of {kind}$"):
+            system.set(f"c.u_{kind}", number)
+    with pytest.raises(AdcsError, match=r"^c\.u_Boolean = \d+ is outside the range of Boolean$"):
+        system.set("c.u_Boolean", 2**64)

@@ -20,6 +20,8 @@ def unresolved(root: Any) -> Iterator[str]:
         for attribute, text in _references(variable):
             if _number(text) is not None and _number(text) not in known:
                 yield f"{where}: {attribute} refers to the {what} {text}, which no variable has"
+            elif attribute == "clocks" and _number(text) is not None and known[_number(text)].tag != "Clock":
+                yield f"{where}: clocks refers to {known[_number(text)].get('name')}, which is no clock"
         for element in variable.iter():
             declared = element.get("declaredType") if isinstance(element.tag, str) else None
             if declared is not None and declared not in types:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import isfinite
 from typing import Any, Protocol
 
 from orchestration.fmu import FmiVersion
@@ -44,7 +45,11 @@ def odd_steps(system: _System, fmi_version: FmiVersion, settings: Mapping[str, A
         interface = component.open(fmi_version).model.coSimulation
         internal = float(getattr(interface, "fixedInternalStepSize", None) or 0.0)
         whole = component.every * step
-        if internal > 0 and abs(whole - max(round(whole / internal), 1) * internal) > _NEAR * whole:
+        if not (
+            internal > 0 and isfinite(internal) and isfinite(whole / internal)
+        ):  # none is declared, or nothing that is a time
+            continue
+        if abs(whole - max(round(whole / internal), 1) * internal) > _NEAR * whole:
             found.append(
                 f"{component.name} is stepped by {whole:g} s, no multiple of its internal step of {internal:g} s: "
                 "its values are those of another time"

@@ -495,7 +495,7 @@ def checked_value(name: str, port: Port, value: Value) -> tuple[Any, ...]:
     """
     if port.type == "Binary":
         return binary_values(name, port, value)
-    value = item_numbers(name, port, value)
+    value = item_numbers(name, port, value.tolist() if isinstance(value, np.ndarray) else value)
     try:
         array = np.asarray(value)
     except ValueError:  # rows of different lengths

@@ -24,6 +24,7 @@ from fmus.xml import parse
 
 _MARKS = {"finding: ": str, "note: ": Note}
 _SECONDS = 60
+_END = "all was looked at"
 _FATAL = 4  # of fmi2Status and fmi3Status
 _EVENTS = {"eventModeUsed": True, "earlyReturnAllowed": True}
 
@@ -47,15 +48,17 @@ def check_behaviour(path: Path, module: str = __name__) -> Iterator[str]:
         yield f"instantiating, initialising and a first step do not end within {_SECONDS} s"
         return
     said = ""
-    for line in result.stdout.splitlines():
+    lines = result.stdout.splitlines()
+    ended = not any(line.endswith(_END) for line in lines)  # after what the FMU has printed without a line break
+    for line in lines:
         for mark, kind in _MARKS.items():
             if line.startswith(mark):
                 yield kind(line.removeprefix(mark) + (f" ({said})" if said else ""))
                 said = ""
                 break
         else:
-            said = line  # the FMU's own last message explains what follows
-    if result.returncode != 0:
+            said = said if line.endswith(_END) else line  # the FMU's own last message explains what follows
+    if ended or result.returncode != 0:  # 0 too, by an FMU that ends the process
         last_words = result.stderr.strip().splitlines()[-1:] or [said]
         yield f"instantiating ends with exit code {result.returncode}: {last_words[0]}"
 
@@ -64,6 +67,7 @@ def report(findings: Iterator[str]) -> None:
     """Print what is found, in the process of its own."""
     for finding in findings:
         print(("note: " if isinstance(finding, Note) else "finding: ") + " ".join(finding.split()), flush=True)
+    print(_END, flush=True)
 
 
 def initialised(path: Path) -> Iterator[str]:

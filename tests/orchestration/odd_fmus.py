@@ -293,6 +293,13 @@ REFUSED = [
         run="clocks refers to the value reference 777, which no variable has",
     ),
     Odd(
+        "a clock that is none",
+        "clocks",
+        "3.0",
+        attribute("u", "clocks", "1000"),
+        run="clocks refers to time, which is no clock",
+    ),
+    Odd(
         "no such output",
         "sizes",
         "3.0",

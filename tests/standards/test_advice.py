@@ -38,13 +38,16 @@ def test_a_start_value_outside_min_and_max_is_a_warning(tmp_path, version):
     assert run(system, stop_time=0.1, step=0.1).manifest["warnings"] == []
 
 
-@pytest.mark.parametrize(("internal", "step", "warned"), [(0.05, 0.1, False), (0.03, 0.1, True), (0.2, 0.1, True)])
+@pytest.mark.parametrize(
+    ("internal", "step", "warned"),
+    [(0.05, 0.1, False), (0.03, 0.1, True), (0.2, 0.1, True), ("1e-320", 0.1, False), ("INF", 0.1, False)],
+)
 def test_a_step_that_is_no_multiple_of_the_internal_one_is_a_warning(tmp_path, internal, step, warned):
     system = at_rest(
         controller(tmp_path, "3.0", ("<CoSimulation ", f'<CoSimulation fixedInternalStepSize="{internal}" '))
     )
     told = (
-        f"c is stepped by {step:g} s, no multiple of its internal step of {internal:g} s: "
+        f"c is stepped by {step:g} s, no multiple of its internal step of {float(internal):g} s: "
         "its values are those of another time"
     )
     assert run(system, stop_time=0.2, step=step).manifest["warnings"] == ([told] if warned else [])

@@ -53,6 +53,28 @@ def test_what_a_variable_says_itself_counts_more(opened, version):
     assert declared_ranges(fmu) == {"v": (-1.0, 9.0)}
 
 
+def test_enumerations_with_other_items_are_no_array(opened):
+    of = (
+        '<ScalarVariable name="{0}" valueReference="{1}" causality="parameter" variability="tunable"><Enumeration {2}/>'
+    )
+    said = (
+        ("e[1]", 1, 'declaredType="A" start="1"'),
+        ("e[2]", 2, 'declaredType="B" start="5"'),
+        ("f[1]", 3, 'declaredType="A" start="1" max="1"'),
+        ("f[2]", 4, 'declaredType="A" start="2"'),
+        ("g[1]", 5, 'declaredType="A" start="1"'),
+        ("g[2]", 6, 'declaredType="A" start="2"'),
+    )
+    item = '<Item name="{0}" value="{1}"/>'
+    types = "".join(
+        f'<SimpleType name="{name}"><Enumeration>{"".join(item.format(*i) for i in items)}</Enumeration></SimpleType>'
+        for name, items in (("A", (("a1", 1), ("a2", 2))), ("B", (("b5", 5), ("b6", 6))))
+    )
+    ports = opened("2.0", "".join(f"{of.format(*each)}</ScalarVariable>" for each in said), types).ports
+    assert [name for name in ports if name[0] in "efg"] == ["e[1]", "e[2]", "f[1]", "f[2]", "g"]
+    assert [ports[name].items for name in ("e[2]", "f[1]")] == [(("b5", 5), ("b6", 6)), (("a1", 1),)]
+
+
 @pytest.mark.parametrize("kind", [f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64)])
 def test_ranges_of_all_integers(opened, kind):
     variables = f'<{kind} name="v" valueReference="1" declaredType="T" max="7"/><{kind} name="w" valueReference="2"/>'

@@ -9,7 +9,7 @@ from pathlib import Path
 from fmus.check import Finding
 from fmus.check import check as check_file
 from fmus.checks import Failure, Note
-from fmus.checks.behaviour import check_behaviour, initialised, report
+from fmus.checks.behaviour import check_behaviour, doing, initialised, report
 from fmus.errors import AdcsError, Unsupported
 from orchestration.cosim import rigid
 from orchestration.fmu import Fmu, Kind, open_fmu
@@ -47,6 +47,7 @@ def first_steps(path: Path) -> Iterator[str]:
     }
     kinds: list[Kind] = [kind for kind, there in interfaces.items() if there]
     for kind in kinds or ["co-simulation"]:  # which is refused then
+        doing(f"a run by {kind}")
         try:
             entry = find_system(str(path))
             start, step = entry.start_time, entry.step

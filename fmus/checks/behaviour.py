@@ -19,10 +19,12 @@ from fmpy.model_description import ModelDescription
 from fmus.archive import LARGEST_XML, Archive
 from fmus.checks import Failure, Note
 from fmus.paths import PACKAGE
+from fmus.process_end import how
 from fmus.readable import read_model
 from fmus.xml import parse
 
 _MARKS = {"finding: ": str, "note: ": Note}
+_DOING = "from here on: "
 _SECONDS = 60
 _END = "all was looked at"
 _FATAL = 4  # of fmi2Status and fmi3Status
@@ -35,39 +37,49 @@ def check_behaviour(path: Path, module: str = __name__) -> Iterator[str]:
     `module` is what is run, with the path as its argument: it prints by `report`.
     """
     command = [sys.executable, "-m", module, str(path)]
+    code: int | None = None
     try:
         result = subprocess.run(
             command,
             capture_output=True,
-            text=True,
             env=os.environ | {"PYTHONPATH": str(PACKAGE.parent)},
             timeout=_SECONDS,
             check=False,
         )
-    except subprocess.TimeoutExpired:
-        yield f"instantiating, initialising and a first step do not end within {_SECONDS} s"
-        return
-    said = ""
-    lines = result.stdout.splitlines()
-    ended = not any(line.endswith(_END) for line in lines)  # after what the FMU has printed without a line break
-    for line in lines:
+        output, errors, code = result.stdout, result.stderr, result.returncode
+    except subprocess.TimeoutExpired as error:
+        output, errors = error.stdout or b"", b""
+    said, doing, all_seen = "", "loading", False
+    for line in output.decode(errors="replace").splitlines():
         for mark, kind in _MARKS.items():
             if line.startswith(mark):
                 yield kind(line.removeprefix(mark) + (f" ({said})" if said else ""))
                 said = ""
                 break
         else:
-            said = said if line.endswith(_END) else line  # the FMU's own last message explains what follows
-    if ended or result.returncode != 0:  # 0 too, by an FMU that ends the process
-        last_words = result.stderr.strip().splitlines()[-1:] or [said]
-        yield f"instantiating ends with exit code {result.returncode}: {last_words[0]}"
+            _, is_ours, next_ = line.partition(_DOING)  # after what the FMU has printed without a line break
+            if is_ours:
+                said, doing, all_seen = "", next_, next_ == _END
+            else:
+                said = line  # the FMU's own last message explains what follows
+    if code is None:
+        yield f"{doing} does not end within {_SECONDS} s"
+    elif not all_seen or code != 0:  # 0 too, by an FMU that ends the process
+        last_words = errors.decode(errors="replace").strip().splitlines()[-1:] or ([said] if said else [])
+        doing = "ending the process in which it was looked at" if all_seen else doing
+        yield ": ".join([f"{doing} ended the process: {how(code)}", *last_words])
+
+
+def doing(what: str) -> None:
+    """Say what the process of its own does next, so that its end can be told by it."""
+    print(_DOING + what, flush=True)
 
 
 def report(findings: Iterator[str]) -> None:
     """Print what is found, in the process of its own."""
     for finding in findings:
         print(("note: " if isinstance(finding, Note) else "finding: ") + " ".join(finding.split()), flush=True)
-    print(_END, flush=True)
+    doing(_END)
 
 
 def initialised(path: Path) -> Iterator[str]:
@@ -117,6 +129,7 @@ def initialised(path: Path) -> Iterator[str]:
                 and any(v.type == "Clock" for v in model.modelVariables)
             ):
                 events = _EVENTS
+            doing(f"{name}: instantiating")
             try:
                 try:
                     fmu = instance(model.guid, **events)
@@ -124,13 +137,14 @@ def initialised(path: Path) -> Iterator[str]:
                     if is_fmi2 or name != "CoSimulation" or not interface.hasEventMode or events:
                         raise
                     events = _EVENTS  # which some need
+                    doing(f"{name}: instantiating with events")
                     fmu = instance(model.guid, **events)
-                    print()
             except Exception as error:
                 text = f"{name} cannot be instantiated with the token of the XML, {model.guid}"
                 text += "" if "instantiate" in str(error) else f": {error}"  # but cannot even be loaded
                 yield Note(f"{text}: it needs the tool that made it") if interface.needsExecutionTool else Failure(text)
                 continue
+            doing(f"{name}: initialising")
             try:
                 if is_fmi2:
                     fmu.setupExperiment(startTime=start)
@@ -144,17 +158,20 @@ def initialised(path: Path) -> Iterator[str]:
                 if getattr(error, "status", None) == _FATAL:  # after which nothing may be called
                     continue
             else:
+                doing(f"{name}: terminating")
                 try:
                     fmu.terminate()
                 except Exception as error:
                     yield Note(f"{name} cannot be terminated after initialisation: {error}")
+            doing(f"{name}: freeing")
             fmu.freeInstance()
             if interface.canBeInstantiatedOnlyOncePerProcess:
                 continue
+            doing(f"{name}: instantiating with a wrong token")
             try:
                 instance("not the token", **events)
             except Exception:
-                print()  # so that the refusal is not taken for the cause of a later finding
+                doing("ending the check")  # of which the refusal is no cause
                 continue
             yield Note(f"{name} can be instantiated with a wrong token")
 

@@ -1,44 +1,18 @@
-"""How a process ended, in words; and what that makes of its run."""
+"""What the end of a process makes of its run."""
 
 from __future__ import annotations
 
-import signal
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from fmus.process_end import how
 from orchestration.instance import CallFailed
 from orchestration.isolation import journal
 from orchestration.isolation.journal import Kept
 from orchestration.manifest import completed
 from orchestration.results import Result
 from orchestration.system import System
-
-_SIGNALS = {
-    "SIGSEGV": "a segmentation fault",
-    "SIGBUS": "a bus error, as a library that is cut off makes it",
-    "SIGABRT": "abort, as a failed assertion or an exception that nobody catches calls it",
-    "SIGFPE": "an arithmetic trap",
-    "SIGILL": "an illegal instruction",
-    "SIGKILL": "from outside, as for lack of memory",
-    "SIGXFSZ": "a file beyond its limit",
-}
-_EXCEPTIONS = {0xC0000005: "an access violation", 0xC00000FD: "a stack overflow", 0xC0000409: "abort"}  # of Windows
-
-
-def how(code: int | None) -> str:
-    """Say how a process ended that `subprocess` reports with this code; None if that is not known."""
-    if code is None:
-        return "it is not known how"
-    if code < 0:
-        try:
-            name = signal.Signals(-code).name
-        except ValueError:
-            name = f"signal {-code}"
-        return f"{name}, {_SIGNALS[name]}" if name in _SIGNALS else name
-    if code >= 0x80000000:
-        return f"exception 0x{code:08X}" + (f", {_EXCEPTIONS[code]}" if code in _EXCEPTIONS else "")
-    return f"exit code {code}"
 
 
 def failure(kept: Kept, code: int | None) -> CallFailed:

@@ -80,7 +80,28 @@ def test_what_a_run_refuses_is_found(folder: Path, odd: Odd) -> None:
 def test_a_library_that_crashes_the_loader_is_found(folder: Path) -> None:
     path = Odd("library cut off", "types", "3.0", library=lambda content: content[:2000]).build(folder)
     (message,) = [f.message for f in checking.check(path) if f.rule == "behaviour" and f.severity == "fault"]
-    assert message.startswith(("instantiating ends with exit code", "CoSimulation cannot be instantiated"))
+    assert message.startswith(("CoSimulation: instantiating ended the process: SIG", "CoSimulation cannot be instant"))
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+@pytest.mark.parametrize(
+    ("deed", "message"),
+    [
+        ("segfault_instantiate", "ModelExchange: instantiating ended the process: SIGSEGV, a segmentation fault"),
+        ("exit_initialise", "ModelExchange: initialising ended the process: exit code 0"),
+        ("quit_terminate", "ModelExchange: terminating ended the process: exit code 0"),
+        ("kill_free", "ModelExchange: freeing ended the process: SIGKILL, from outside, as for lack of memory"),
+        ("segfault_doStep", "a run by co-simulation ended the process: SIGSEGV, a segmentation fault"),
+        ("segfault_setTime", "a run by model-exchange ended the process: SIGSEGV, a segmentation fault"),
+        ("hang_terminate", "ModelExchange: terminating does not end within 2 s"),
+    ],
+)
+def test_what_ends_the_process_is_named(mock, deed, message, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ADCS_DEED", deed)
+    if deed.startswith("hang"):
+        monkeypatch.setattr("fmus.checks.behaviour._SECONDS", 2)
+    (fault,) = [f for f in checking.check(mock("hostile")) if f.rule == "behaviour" and f.severity == "fault"]
+    assert fault.message == message
 
 
 @pytest.mark.usefixtures("in_this_process")
@@ -97,4 +118,4 @@ def test_findings_cross_to_another_process_by_kind(capsys: pytest.CaptureFixture
     from fmus.checks import Note
 
     report(iter([Note("a\nnote"), "a fault"]))
-    assert capsys.readouterr().out == "note: a note\nfinding: a fault\n"
+    assert capsys.readouterr().out == "note: a note\nfinding: a fault\nfrom here on: all was looked at\n"

@@ -1,5 +1,7 @@
-/* y = 1 + t / 1000, and does what the instance is called, DEED_CALL, in the call of that name: `segfault_doStep`. */
+/* y = 1 + t / 1000, and does what the instance is called, DEED_CALL, in the call of that name: `segfault_doStep`.
+ * Where instances have other names, ADCS_DEED of the environment says it, and it is done from the beginning. */
 #define _GNU_SOURCE
+#include <stdlib.h>
 #include <string.h>
 
 static char what[64], where[64];
@@ -9,7 +11,7 @@ static void deed(void);
 
 #define NAMED(NAME) remember(NAME)
 #define DEED(CALL) (strcmp(where, CALL) == 0 ? deed() : (void)0)
-#define AT M->v[from]
+#define AT (getenv("ADCS_DEED") ? -INFINITY : M->v[from])
 
 #include "mock.h"
 
@@ -23,6 +25,7 @@ static void deed(void);
 #include <unistd.h>
 
 static void remember(const char *name) {
+    if (getenv("ADCS_DEED")) name = getenv("ADCS_DEED");
     const char *split = strchr(name, '_');
     if (!split) return;
     snprintf(what, sizeof what, "%.*s", (int)(split - name), name);

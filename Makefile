@@ -43,6 +43,7 @@ lint: $(VENV)/installed-dev
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+	$(BIN)/lint-imports
 	$(BIN)/clang-format --dry-run --Werror $(SOURCES_CXX)
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/cmake --preset release
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/cmake --build --preset release

@@ -1,1 +1,36 @@
-"""The command `adcs`, as it is started: `adcs run` in a process that a supervisor looks after."""
+"""Spacecraft attitude control as FMI components: build and check them, wire them into systems, run those.
+
+`import adcs` is all that a program needs. What is here is listed in `__init__.pyi`, once for type checkers and for the
+loading of each name when it is first used: so the import costs nothing.
+"""
+
+from __future__ import annotations
+
+import ast
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+
+@cache
+def _homes() -> dict[str, str]:
+    """Each name, and the module that has it."""
+    listed = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")).body
+    return {
+        alias.name: node.module
+        for node in listed
+        if isinstance(node, ast.ImportFrom) and node.module
+        for alias in node.names
+    }
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _homes():
+        raise AttributeError(f"adcs has no {name!r}; it has {', '.join(_homes())}")
+    globals()[name] = found = getattr(import_module(_homes()[name]), name)
+    return found
+
+
+def __dir__() -> list[str]:
+    return list(_homes())

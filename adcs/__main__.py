@@ -13,7 +13,7 @@ def main() -> None:
     arguments = sys.argv[1:]
     if supervisor.wanted(arguments, os.environ):
         sys.exit(supervisor.supervise(arguments))
-    from orchestration.cli import main as here
+    from adcs.cli.app import main as here
 
     here()
 

@@ -8,7 +8,7 @@ import sys
 if __name__ == "__main__":
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # there is nothing to be kept yet
-    from orchestration.cli import main
+    from adcs.cli.app import main
     from orchestration.isolation import supervised
 
     sys.argv[0] = "adcs"

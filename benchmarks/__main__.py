@@ -9,9 +9,9 @@ import typer
 from rich.console import Console
 from rich.progress import track
 
+from adcs import AdcsError
 from benchmarks import basilisk, report
 from benchmarks.variants import VARIANTS
-from fmus.errors import AdcsError
 
 
 def main(

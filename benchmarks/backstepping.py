@@ -14,11 +14,10 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from fmus.errors import AdcsError
-from orchestration import run
-from studies.trigo.metrics import measure
-from studies.trigo.settings import AS_MADE, CONTROL_RATE, CONTROLLERS, SCENARIOS, STOP_TIME
-from studies.trigo.systems import build, exchange_step, recorded
+from adcs import AdcsError, run
+from adcs.library.trigo.metrics import measure
+from adcs.library.trigo.settings import AS_MADE, CONTROL_RATE, CONTROLLERS, SCENARIOS, STOP_TIME
+from adcs.library.trigo.systems import build, exchange_step, recorded
 
 STEPS_PER_RUN = round(STOP_TIME * CONTROL_RATE)
 

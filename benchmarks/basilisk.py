@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from adcs import AdcsError
 from benchmarks.variants import Variant, compiled
-from fmus.errors import AdcsError
 from fmus.paths import BUILD
 
 CONTROL_STEP = 0.1

@@ -13,10 +13,9 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from adcs import Session, run
 from benchmarks import loop
-from orchestration import run
 from orchestration.isolation.journal import Journal
-from orchestration.session import CoSimulation
 
 _SLICE = 2000  # steps: short enough that many are not interrupted
 _SLICES = 200
@@ -25,7 +24,7 @@ _SETTINGS: dict[str, Any] = {"stop_time": loop.STEP, "step": loop.STEP}
 
 def step_in_memory() -> float:
     """Time of a step [s] whose rows go to memory, in the fastest slice."""
-    with CoSimulation(loop.system(), step=loop.STEP) as simulation:
+    with Session(loop.system(), step=loop.STEP) as simulation:
         return _fastest(simulation, np.zeros((_SLICE * _SLICES, len(simulation.row))))
 
 
@@ -36,13 +35,13 @@ def step_in_journal() -> float:
         recording = journal.record(loop.system(), None)
         rows = _SLICE * _SLICES
         journal.begin(loop.system(), np.arange(rows, dtype=np.float64), {})
-        with CoSimulation(loop.system(), step=loop.STEP, where=journal.where) as simulation:
+        with Session(loop.system(), step=loop.STEP, where=journal.where) as simulation:
             taken = _fastest(simulation, recording.room(rows))
         journal.close(remove=True)
     return taken
 
 
-def _fastest(simulation: CoSimulation, rows: Any) -> float:
+def _fastest(simulation: Session, rows: Any) -> float:
     taken = []
     for first in range(0, len(rows), _SLICE):
         began = time.perf_counter()

@@ -17,13 +17,13 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from fmus.errors import AdcsError
+from adcs import AdcsError
+from adcs.library.hardware.systems import PERIOD, hil_spacecraft
 from hil_bridge.hil.actuators import Actuators
 from hil_bridge.hil.flying import fly
 from hil_bridge.hil.link import Server
 from hil_bridge.hil.lockstep import Flight, Terms
 from hil_bridge.hil.wiring import Wiring
-from studies.hardware.systems import PERIOD, hil_spacecraft
 
 
 @dataclass(frozen=True)

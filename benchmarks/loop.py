@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from orchestration import System
+from adcs import System
 
 STEP = 0.01
 """s, between two exchanges: one step of the integrator."""

@@ -14,15 +14,15 @@ from time import perf_counter, process_time
 import numpy as np
 from pymavlink.dialects.v20 import common as mavlink
 
-from hil_bridge.options import Options, attached
-from hil_bridge.security import Codec
-from hil_bridge.settings import Settings, Snapshot
-from hil_bridge.state import Scene
-from hil_bridge.telemetry import Report
+from adcs import Session
+from adcs.catalogue import SYSTEMS
+from adcs.cli.ground_tools import Options, attached
+from hil_bridge.ground.security import Codec
+from hil_bridge.ground.settings import Settings, Snapshot
+from hil_bridge.ground.state import Scene
+from hil_bridge.ground.telemetry import Report
 from orchestration.grid import Grid
-from orchestration.live import Pace
-from orchestration.session import CoSimulation
-from studies.registry import SYSTEMS
+from orchestration.running.live import Pace
 
 _STATIONS, _RATE = 16, 250.0
 
@@ -77,7 +77,7 @@ def crowd(seconds: float) -> dict[str, float]:
     watcher = attached(system, options, step=step)
     pace = Pace(Grid(0.0, step, 0))
     spent = 0.0
-    with CoSimulation(system, step=step, steps=round(seconds * _RATE)) as simulation, watcher:
+    with Session(system, step=step, steps=round(seconds * _RATE)) as simulation, watcher:
         pace.start(0)
         for _ in range(round(seconds * _RATE)):
             pace.wait(simulation.k)

@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks import loop
 from fmus.paths import BUILD
 from fmus.toolchain import Step, compile_step, host, run_steps
-from orchestration.plan import Floats
+from orchestration.plan.lowering import Floats
 
 
 def make(steps: int) -> Callable[[], Floats]:

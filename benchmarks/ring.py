@@ -14,9 +14,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from fmus.errors import AdcsError
-from orchestration import System
-from orchestration.session import CoSimulation
+from adcs import AdcsError, Session, System
 
 SIZES = (1, 10, 100, 300, 1000)
 _STEP = 0.01  # s
@@ -47,7 +45,7 @@ def measure(n: int, component_steps: int) -> Cost:
     """Take so many steps of single bodies, all in all."""
     steps = max(1, component_steps // n)
     began = time.process_time()
-    with CoSimulation(system(n), step=_STEP, steps=steps, record=[]) as simulation:
+    with Session(system(n), step=_STEP, steps=steps, record=[]) as simulation:
         opened = time.process_time()
         _, _, failed = simulation.loop.steps(0.0, _STEP, 0, steps, steps, None, simulation.recording.room(0))
         ended = time.process_time()

@@ -13,11 +13,11 @@ import numpy as np
 
 from benchmarks import loop, monolithic
 from orchestration.engine import Engine
-from orchestration.fmu import FmiVersion
-from orchestration.instance import Instance
-from orchestration.opening import initialised
-from orchestration.plan import Floats, make_plan
-from orchestration.schedule import split
+from orchestration.fmu.file import FmiVersion
+from orchestration.instances.instance import Instance
+from orchestration.plan.lowering import Floats, make_plan
+from orchestration.plan.opening import initialised
+from orchestration.plan.schedule import split
 
 
 @dataclass(frozen=True)

@@ -1,25 +1,12 @@
-"""Systems of FMUs: wiring, co-simulation, coupled Model Exchange, results."""
+"""Systems of FMUs: their wiring, co-simulation, coupled Model Exchange, results. Programs import `adcs`."""
 
-from orchestration.accuracy import Estimate, estimate_error
-from orchestration.cosim import steps
-from orchestration.coupled import CoupledModel
-from orchestration.loops import LoopSolver
-from orchestration.results import Result, RunFailed, RunInterrupted
-from orchestration.run import run
-from orchestration.session import CoSimulation
-from orchestration.system import Connection, System
+_MOVED = """
+Connection CoupledModel Estimate LoopSolver Result RunFailed RunInterrupted Session System estimate_error run steps
+"""
 
-__all__ = [
-    "CoSimulation",
-    "Connection",
-    "CoupledModel",
-    "Estimate",
-    "LoopSolver",
-    "Result",
-    "RunFailed",
-    "RunInterrupted",
-    "System",
-    "estimate_error",
-    "run",
-    "steps",
-]
+
+def __getattr__(name: str) -> None:
+    moved = {"CoSimulation": "Session"}.get(name, name)
+    if moved not in _MOVED.split():
+        raise AttributeError(f"module 'orchestration' has no attribute {name!r}")
+    raise ImportError(f"orchestration.{name} is adcs.{moved} now: write `from adcs import {moved}`")

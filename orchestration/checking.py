@@ -11,12 +11,12 @@ from fmus.check import check as check_file
 from fmus.checks import Failure, Note
 from fmus.checks.behaviour import check_behaviour, doing, initialised, report
 from fmus.errors import AdcsError, Unsupported
-from orchestration.cosim import rigid
-from orchestration.fmu import Fmu, Kind, open_fmu
+from orchestration.entry import SystemEntry
+from orchestration.fmu.file import Fmu, Kind, open_fmu
+from orchestration.from_file import system_from_file
 from orchestration.grid import Grid
-from orchestration.named import find_system
-from orchestration.run import run
-from studies.registry import SystemEntry
+from orchestration.running.cosim import rigid
+from orchestration.running.run import run
 
 _UNREAD = "modelDescription.xml cannot be read: "
 
@@ -49,7 +49,7 @@ def first_steps(path: Path) -> Iterator[str]:
     for kind in kinds or ["co-simulation"]:  # which is refused then
         doing(f"a run by {kind}")
         try:
-            entry = find_system(str(path))
+            entry = system_from_file(str(path))
             start, step = entry.start_time, entry.step
             Grid.make(start, entry.stop_time, step, lambda: None)
             step = min(step, _internal_step(fmu) or step)

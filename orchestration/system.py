@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.errors import AdcsError, shown
-from orchestration.fmu import FmiVersion, Fmu, Port, locate, open_fmu
-from orchestration.nodes import Place
-from orchestration.number_types import BEYOND, first_beyond, first_misfit
-from orchestration.seeds import default_seed, seeds_of
-from orchestration.typed_values import binary_values, item_numbers, size_text
-from orchestration.units import Scale, conversion
+from orchestration.fmu.file import FmiVersion, Fmu, Port, locate, open_fmu
+from orchestration.fmu.nodes import Place
+from orchestration.fmu.number_types import BEYOND, first_beyond, first_misfit
+from orchestration.fmu.seeds import default_seed, seeds_of
+from orchestration.fmu.typed_values import binary_values, item_numbers, size_text
+from orchestration.fmu.units import Scale, conversion
 
 Value = Any
 """What a start value may be: a number, bool or str, or nested sequences or an array of them."""

@@ -8,13 +8,13 @@ from typing import Any
 
 from fmus.errors import AdcsError
 from hil_bridge.hil.lockstep import Flight
-from orchestration import System
-from orchestration.fmu import FmiVersion
+from orchestration.fmu.file import FmiVersion
 from orchestration.grid import Grid
-from orchestration.instance import CallFailed, EndRequested
-from orchestration.manifest import make_manifest
-from orchestration.results import Recording, Result, RunFailed, RunInterrupted
-from orchestration.session import CoSimulation
+from orchestration.instances.instance import CallFailed, EndRequested
+from orchestration.results.manifest import make_manifest
+from orchestration.results.result import Recording, Result, RunFailed, RunInterrupted
+from orchestration.running.session import Session
+from orchestration.system import System
 
 
 def fly(
@@ -50,7 +50,7 @@ def fly(
         manifest["hardware_in_the_loop"] = flight.report()
         return Result(system, times[:n], recording.data[:n], recording.ports, manifest)
 
-    with CoSimulation(system, step=grid.step, steps=grid.steps, fmi_version=fmi_version) as simulation:
+    with Session(system, step=grid.step, steps=grid.steps, fmi_version=fmi_version) as simulation:
         began = time.perf_counter(), time.process_time()
         try:
             while simulation.k <= grid.steps and simulation.ended is None:
@@ -77,11 +77,11 @@ def fly(
 def check(system: System, *, stop_time: float, step: float, fmi_version: FmiVersion = "2.0") -> None:
     """Refuse now what would be refused when an autopilot is there: open and initialise the system, and close it."""
     grid = Grid.make(0.0, stop_time, step)
-    with CoSimulation(system, step=grid.step, steps=grid.steps, fmi_version=fmi_version):
+    with Session(system, step=grid.step, steps=grid.steps, fmi_version=fmi_version):
         pass
 
 
-def _take(simulation: CoSimulation, recording: Recording) -> None:
+def _take(simulation: Session, recording: Recording) -> None:
     """Propagate and record the present point, and step on from it."""
     simulation.k, written, failed = simulation.loop.steps(
         simulation.start, simulation.step, simulation.k, 1, simulation.last, None, recording.room(1)

@@ -19,8 +19,8 @@ from hil_bridge.hil.field import MagneticField
 from hil_bridge.hil.link import Link
 from hil_bridge.hil.messages import Messages, Moment, frame
 from hil_bridge.hil.wiring import Wiring
-from orchestration import System
-from orchestration.session import CoSimulation
+from orchestration.running.session import Session
+from orchestration.system import System
 
 BOOT_USEC = 1_000_000
 """What the autopilot's clock shows at t = 0: to many receivers a time of 0 means that there is none."""
@@ -98,7 +98,7 @@ class Flight:
         self._replies: list[bytes] = []
         self._columns: dict[str, slice] = {}
 
-    def __call__(self, simulation: CoSimulation) -> None:
+    def __call__(self, simulation: Session) -> None:
         """Tell the autopilot of point k, take its answer, set the torque."""
         first = self._first is None
         if first:
@@ -135,7 +135,7 @@ class Flight:
             "answer_99_percent_s": float(np.percentile(trips, 99)),
         }
 
-    def _moment(self, simulation: CoSimulation) -> Moment:
+    def _moment(self, simulation: Session) -> Moment:
         simulation.propagate()
         values = self._finite(simulation)
         t = simulation.time
@@ -151,7 +151,7 @@ class Flight:
         q_FN = frame(self._terms.frame, place, r_N, v_N)
         return Moment(BOOT_USEC + round(1e6 * t), values, place, q_FN)
 
-    def _finite(self, simulation: CoSimulation) -> dict[str, Floats]:
+    def _finite(self, simulation: Session) -> dict[str, Floats]:
         """The values of the point; an autopilot is told no numbers that are none."""
         if not self._columns:
             self._columns = _columns(simulation, self._wiring.outputs)
@@ -163,11 +163,11 @@ class Flight:
                     raise AdcsError(f"{name} is {value} at t = {simulation.time:g} s: nothing to tell an autopilot")
         return values
 
-    def _due(self, simulation: CoSimulation, period: float) -> bool:
+    def _due(self, simulation: Session, period: float) -> bool:
         """Whether something that is done every so often is to be done at this point, and at the first in any case."""
         return (simulation.k - (self._first or 0)) % max(1, round(period / simulation.step)) == 0
 
-    def _told(self, simulation: CoSimulation, now: Moment) -> bytes:
+    def _told(self, simulation: Session, now: Moment) -> bytes:
         """All messages of a point; HIL_SENSOR is the last, for it lets the autopilot's time go on."""
         parts, self._replies = self._replies, []
         if self._due(simulation, _HEARTBEAT_PERIOD):
@@ -180,7 +180,7 @@ class Flight:
             parts.append(self._messages.star_tracker(now))
         return b"".join([*parts, self._messages.sensors(now)])
 
-    def _answer(self, simulation: CoSimulation, time_usec: int) -> Any:
+    def _answer(self, simulation: Session, time_usec: int) -> Any:
         """The controls for this point; None if there are none and nobody waits for them."""
         terms, account = self._terms, self.account
         if not terms.lockstep:
@@ -195,7 +195,7 @@ class Flight:
             account.locked_at = simulation.time
         return answer
 
-    def _exact(self, simulation: CoSimulation, time_usec: int) -> Any:
+    def _exact(self, simulation: Session, time_usec: int) -> Any:
         """Wait for the answer to the sensors of this very point."""
         deadline = monotonic() + self._terms.timeout
         while True:
@@ -223,7 +223,7 @@ class Flight:
                 self.account.ahead += 1
         return answer
 
-    def _first_answer(self, simulation: CoSimulation, time_usec: int) -> Any:
+    def _first_answer(self, simulation: Session, time_usec: int) -> Any:
         """Wait a little at the first point, then as long as time takes; the first answer of all ends this."""
         assert self._first is not None
         steps = simulation.k - self._first
@@ -241,7 +241,7 @@ class Flight:
                     self._origin = monotonic()  # what was waited is not to be caught up with
                 return None
 
-    def _latest(self, simulation: CoSimulation) -> Any:
+    def _latest(self, simulation: Session) -> Any:
         """Take what comes until the next point is due; the last word counts."""
         assert self._first is not None
         deadline = self._origin + (simulation.k - self._first + 1) * simulation.step / self._terms.speed
@@ -287,7 +287,7 @@ class Flight:
         return True
 
 
-def _columns(simulation: CoSimulation, names: Sequence[str]) -> dict[str, slice]:
+def _columns(simulation: Session, names: Sequence[str]) -> dict[str, slice]:
     """Where these variables are in a row."""
     first, found = 0, {}
     for name, port in simulation.recording.ports.items():

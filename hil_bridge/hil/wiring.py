@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fmus.errors import AdcsError
-from orchestration import System
+from orchestration.system import System
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from math import ceil, log2
 
 import numpy as np
 
-from orchestration.plan import Floats
+from orchestration.plan.lowering import Floats
 
 
 def first_crossing(z: Callable[[float], Floats], a: float, z_a: Floats, b: float, z_b: Floats) -> float:

@@ -11,8 +11,8 @@ import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration.coupled.model import CoupledModel
-from orchestration.instance import CallFailed
-from orchestration.plan import Floats
+from orchestration.instances.instance import CallFailed
+from orchestration.plan.lowering import Floats
 
 SolverName = Literal["DOP853", "CVode"]
 

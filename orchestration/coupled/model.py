@@ -13,15 +13,15 @@ import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration.engine import Engine
-from orchestration.fmu import FmiVersion
-from orchestration.instance import CallFailed, EndRequested, Instance, failing_at
-from orchestration.isolation.guard import Guard
-from orchestration.isolation.overstepping import overstepped
-from orchestration.isolation.where import Where
-from orchestration.loops import Loops, LoopSolver
-from orchestration.opening import initialised
-from orchestration.plan import Floats, Plan, make_plan
-from orchestration.results import Recording
+from orchestration.engine.overstepping import overstepped
+from orchestration.fmu.file import FmiVersion
+from orchestration.instances.instance import CallFailed, EndRequested, Instance, failing_at
+from orchestration.plan.loops import Loops, LoopSolver
+from orchestration.plan.lowering import Floats, Plan, make_plan
+from orchestration.plan.opening import initialised
+from orchestration.process.guard import Guard
+from orchestration.process.where import Where
+from orchestration.results.result import Recording
 from orchestration.system import System
 
 _MAX_EVENT_ITERATIONS = 100

@@ -12,9 +12,9 @@ from orchestration.coupled.crossing import first_crossing
 from orchestration.coupled.integrators import Integrator, SolverName, integrator
 from orchestration.coupled.model import CoupledModel
 from orchestration.grid import Grid
-from orchestration.instance import CallFailed, failing_at
-from orchestration.plan import Floats
-from orchestration.results import Recording
+from orchestration.instances.instance import CallFailed, failing_at
+from orchestration.plan.lowering import Floats
+from orchestration.results.result import Recording
 
 _LOOKS = 5  # into each step, for indicators that leave their domain and come back
 _CHATTER = 100  # events in what counts as one instant

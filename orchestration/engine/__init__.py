@@ -16,10 +16,10 @@ import numpy as np
 
 from fmus import toolchain
 from fmus.paths import BUILD
-from orchestration.instance import CallFailed, EndRequested, Instance
-from orchestration.isolation.where import ACTIONS, Action, Doing, Place, Where
-from orchestration.plan import Call, Floats, Plan
-from orchestration.propagation import Ring, action_of, not_doubled, not_finite, not_handed_on, read_after_set
+from orchestration.instances.instance import CallFailed, EndRequested, Instance
+from orchestration.plan.lowering import Call, Floats, Plan
+from orchestration.plan.propagation import Ring, action_of, not_doubled, not_finite, not_handed_on, read_after_set
+from orchestration.process.where import ACTIONS, Action, Doing, Place, Where
 
 _SOURCE = Path(__file__).with_name("engine.c")
 _FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-Wall", "-Wextra", "-shared")

@@ -1,6 +1,6 @@
 """A run in a process of its own: `run(..., isolated=True)`. What is asked for crosses as a pickle, rows as a journal.
 
-The other process is `python -m orchestration.isolation.child FOLDER`.
+The other process is `python -m orchestration.running.child FOLDER`.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 
 from fmus.errors import AdcsError
-from orchestration.hdf5 import FileResult
 from orchestration.isolation import journal
 from orchestration.isolation.death import found
-from orchestration.isolation.temporary import temporary_folder
-from orchestration.results import Result, RunFailed, RunInterrupted
+from orchestration.process.temporary import temporary_folder
+from orchestration.results.hdf5 import FileResult
+from orchestration.results.result import Result, RunFailed, RunInterrupted
 
 ASKED, ANSWER = "asked", "answer"  # files in the folder
 _LOOK = 0.05  # s, between two looks at the other process
@@ -30,7 +30,7 @@ _GRACE = 10.0  # s, for it to end after Ctrl-C
 
 
 def run_apart(asked: Mapping[str, Any]) -> Result:
-    """Run what `orchestration.run.run` was asked to; refuse by name what cannot cross to another process."""
+    """Run what `orchestration.running.run.run` was asked to; refuse by name what cannot cross to another process."""
     settings = {k: v for k, v in asked.items() if k not in ("isolated", "progress", "journal", "watchers", "hdf5")}
     if asked["watchers"]:
         raise AdcsError("watchers: they are part of this process, and cannot take part in an isolated run")
@@ -58,7 +58,7 @@ def _serve(place: Path, progress: Any) -> int:
     """Let the other process run; return the code it ended with."""
     # not in our group: Ctrl-C is for us, and handed on
     apart: dict[str, Any] = {"process_group": 0} if os.name == "posix" else {}
-    command = [sys.executable, "-P", "-m", "orchestration.isolation.child", str(place)]
+    command = [sys.executable, "-P", "-m", "orchestration.running.child", str(place)]
     environment = os.environ | {"TMPDIR": str(place)}  # what it leaves there goes with the folder
     process = subprocess.Popen(command, stdin=subprocess.DEVNULL, env=environment, **apart)
     try:

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from fmus.process_end import how
-from orchestration.instance import CallFailed
+from orchestration.instances.instance import CallFailed
 from orchestration.isolation import journal
 from orchestration.isolation.journal import Kept
-from orchestration.manifest import completed
-from orchestration.results import Result
+from orchestration.results.manifest import completed
+from orchestration.results.result import Result
 from orchestration.system import System
 
 

@@ -10,7 +10,7 @@ from types import TracebackType
 
 from fmus.errors import AdcsError
 from orchestration.isolation import journal
-from orchestration.isolation.lock import Lock
+from orchestration.process.lock import Lock
 
 MANIFEST = "manifest.json"
 RESULTS = ("result.csv", "result.mat", "result.h5", MANIFEST, "report.html", "report.png", journal.NAME)

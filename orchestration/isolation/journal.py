@@ -24,10 +24,10 @@ from typing import Any
 import numpy as np
 
 from fmus.errors import AdcsError
-from orchestration.fmu import Port
-from orchestration.isolation.where import Place, Where
-from orchestration.plan import Floats
-from orchestration.results import Recording
+from orchestration.fmu.file import Port
+from orchestration.plan.lowering import Floats
+from orchestration.process.where import Place, Where
+from orchestration.results.result import Recording
 from orchestration.system import System
 
 NAME = "run.journal"

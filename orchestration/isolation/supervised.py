@@ -16,9 +16,9 @@ from contextlib import suppress
 from pathlib import Path
 from threading import Thread
 
-from orchestration.isolation import orphan
-from orchestration.isolation.lock import Lock
-from orchestration.isolation.where import Place, Where
+from orchestration.process import orphan
+from orchestration.process.lock import Lock
+from orchestration.process.where import Place, Where
 
 MARK = "ADCS_SUPERVISED"
 _OUT_OF_THE_WAY = 210  # of a component that closes "all" descriptors

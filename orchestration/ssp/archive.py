@@ -21,8 +21,8 @@ from fmus import paths
 from fmus.archive import LARGEST_XML, Archive
 from fmus.errors import AdcsError
 from orchestration.ssp.documents import parse
+from orchestration.ssp.names import STRUCTURE
 from orchestration.ssp.schemas import Kind
-from orchestration.ssp_names import STRUCTURE
 
 CACHE = paths.BUILD / "ssp"
 """Where the FMUs of `.ssp` files are put."""

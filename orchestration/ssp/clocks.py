@@ -11,7 +11,7 @@ from math import isclose
 from lxml import etree
 
 from fmus.errors import AdcsError
-from orchestration.description import TIME_BASED, Clock
+from orchestration.fmu.description import TIME_BASED, Clock
 
 _SAME = 1e-6  # relative: a decimal stands where the FMU may have a fraction, and few write all digits of one
 

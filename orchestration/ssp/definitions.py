@@ -7,9 +7,9 @@ from typing import Any
 
 from lxml import etree
 
-from orchestration.fmu import Fmu, Port
+from orchestration.fmu.file import Fmu, Port
+from orchestration.fmu.units import EXPONENTS, Unit, of_fmu
 from orchestration.ssp.building import add
-from orchestration.units import EXPONENTS, Unit, of_fmu
 
 
 class UsedUnits:

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from fmus.errors import AdcsError
-from orchestration.fmu import Port
+from orchestration.fmu.file import Port
+from orchestration.fmu.units import conversion
 from orchestration.ssp.documents import number, whole_number
 from orchestration.ssp.parts import Part, Place
 from orchestration.ssp.wiring import Route
 from orchestration.system import System
-from orchestration.units import conversion
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ import numpy as np
 from lxml import etree
 
 from fmus.errors import AdcsError
-from orchestration.fmu import Port
+from orchestration.fmu.file import Port
+from orchestration.fmu.units import Unit
 from orchestration.ssp.archive import Home
 from orchestration.ssp.documents import check, local_name, tag
 from orchestration.ssp.parts import FLOAT_TYPES, INTEGER_TYPES, Part, Place, items_of
@@ -21,7 +22,6 @@ from orchestration.ssp.transformation import Items, Transformation, transformati
 from orchestration.ssp.units import named, of_document, scale
 from orchestration.ssp.wording import has, hint, sizes
 from orchestration.system import checked_value
-from orchestration.units import Unit
 
 _SET = "application/x-ssp-parameter-set"
 _MAPPING = "application/x-ssp-parameter-mapping"

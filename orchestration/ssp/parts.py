@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from fmus.errors import AdcsError
-from orchestration.description import Clock
-from orchestration.fmu import Fmu, Port
+from orchestration.fmu.description import Clock
+from orchestration.fmu.file import Fmu, Port
+from orchestration.fmu.units import Unit, of_fmu
 from orchestration.ssp.clocks import check_clock
 from orchestration.ssp.structure import ComponentElement, Connector
 from orchestration.ssp.transformation import Items
 from orchestration.ssp.wording import has, hint, sizes
-from orchestration.units import Unit, of_fmu
 
 INTEGER_TYPES = ("Integer", *(f"{sign}Int{bits}" for bits in (8, 16, 32, 64) for sign in ("", "U")))
 FLOAT_TYPES = ("Real", "Float64", "Float32")

@@ -8,18 +8,18 @@ from pathlib import Path
 from typing import Any
 
 from fmus.errors import AdcsError
-from orchestration.fmu import Port, open_fmu
-from orchestration.seeds import seeds_of
+from orchestration.fmu.file import Port, open_fmu
+from orchestration.fmu.seeds import seeds_of
 from orchestration.ssp.archive import Home, SspArchive
 from orchestration.ssp.documents import tag, version_of, whole_number
 from orchestration.ssp.experiment import read_experiment
 from orchestration.ssp.flat import connect, make_wires
+from orchestration.ssp.names import STRUCTURE, named_structure
 from orchestration.ssp.parameters import Bindings, nested
 from orchestration.ssp.parts import Part, Place
 from orchestration.ssp.structural import configured, given_to, settled
 from orchestration.ssp.structure import ComponentElement, read_structure
 from orchestration.ssp.wiring import Wiring
-from orchestration.ssp_names import STRUCTURE, named_structure
 from orchestration.system import NUMERIC, System
 
 

@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 from lxml import etree
 
 from fmus.errors import AdcsError
+from orchestration.fmu.units import Unit
 from orchestration.ssp.archive import Home
 from orchestration.ssp.clocks import ClockType, clock_type
 from orchestration.ssp.documents import local_name, notes, tag
+from orchestration.ssp.names import STRUCTURE
 from orchestration.ssp.transformation import Items
 from orchestration.ssp.units import named, of_document
-from orchestration.ssp_names import STRUCTURE
-from orchestration.units import Unit
 
 FMU_TYPE = "application/x-fmu-sharedlibrary"
 PACKAGE_TYPE = "application/x-ssp-package"

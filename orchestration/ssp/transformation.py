@@ -9,8 +9,8 @@ from typing import Any
 from lxml import etree
 
 from fmus.errors import AdcsError
+from orchestration.fmu.units import Scale
 from orchestration.ssp.documents import local_name, tag
-from orchestration.units import Scale
 
 Items = Mapping[str, int]
 """The items of an enumeration and their values."""

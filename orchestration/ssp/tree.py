@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from fmus.errors import AdcsError
-from orchestration.fmu import Fmu, Port
+from orchestration.fmu.file import Fmu, Port
 from orchestration.system import Component, Connection, System
 
 

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from lxml import etree
 
 from fmus.errors import AdcsError
+from orchestration.fmu.units import EXPONENTS, Scale, Unit
 from orchestration.ssp.documents import tag
-from orchestration.units import EXPONENTS, Scale, Unit
 
 
 def scale(unit: Unit, wanted: Unit) -> Scale:

@@ -8,13 +8,13 @@ from math import prod
 from typing import Any
 
 from fmus.errors import AdcsError
+from orchestration.fmu.units import Unit
 from orchestration.ssp.clocks import ClockType, connection_holds, of_fmu
 from orchestration.ssp.parts import Part, Place, items_of
 from orchestration.ssp.structure import Connector, Element, Link, LinkEnd, SystemElement
 from orchestration.ssp.transformation import Items, Transformation, transformation_in
 from orchestration.ssp.units import scale
 from orchestration.ssp.wording import has, hint, sizes
-from orchestration.units import Unit
 
 _GIVING = ("output", "calculatedParameter", "constant", "local")
 _LARGEST = 1_000_000  # elements of a system's connector, which no FMU backs

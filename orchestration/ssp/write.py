@@ -13,15 +13,15 @@ from lxml import etree
 
 from fmus.errors import AdcsError
 from fmus.xml import serialised
-from orchestration.fmu import FmiVersion, Fmu, Port
+from orchestration.fmu.file import FmiVersion, Fmu, Port
 from orchestration.ssp.archive import packed, write_whole
 from orchestration.ssp.building import add, add_texts, annotate, annotations_of, root_element, set_attribute, text
 from orchestration.ssp.definitions import UsedEnumerations, UsedUnits
 from orchestration.ssp.documents import OMS, OMS_ANNOTATION, check, tag
 from orchestration.ssp.layout import arrange
+from orchestration.ssp.names import STRUCTURE
 from orchestration.ssp.schemas import Version
 from orchestration.ssp.tree import Box, Pin, Wire, make_tree
-from orchestration.ssp_names import STRUCTURE
 from orchestration.system import Component, System
 
 _FMI2_TYPES = {"Float64": "Real", "Int32": "Integer"}

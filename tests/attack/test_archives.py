@@ -13,12 +13,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import fmus
+from adcs import System, read_ssp, write_ssp
 from fmus.xml import parse
-from orchestration import System
-from orchestration.fmu import extracted, open_fmu
+from orchestration.fmu.file import extracted, open_fmu
 from orchestration.single import single
 from orchestration.ssp import archive as ssp_archive
-from orchestration.ssp import read_ssp, write_ssp
 
 from .strategies import damaged, odd_archives, xml_damaged, zip_damaged
 from .tries import attempt

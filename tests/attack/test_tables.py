@@ -13,15 +13,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from adcs import System, run
+from adcs.catalogue import SYSTEMS
 from fmus import catalog
-from hil_bridge import tlog
+from hil_bridge.ground import tlog
+from hil_bridge.ground.mapping import ROLES, find
 from hil_bridge.hil.actuators import Actuators
-from hil_bridge.mapping import ROLES, find
-from orchestration import System, run
-from orchestration.checkpoint import Checkpoint
-from orchestration.live import Inputs
-from orchestration.tables import read_table
-from studies.registry import SYSTEMS
+from orchestration.running.checkpoint import Checkpoint
+from orchestration.running.live import Inputs
+from orchestration.running.tables import read_table
 
 from .strategies import EXTREMES, damaged, of_words, zip_damaged
 from .tries import attempt

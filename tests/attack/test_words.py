@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from orchestration import System
-from orchestration.live import Condition
-from orchestration.results import Recording
-from orchestration.run_cli import _change, _delay, _every
-from orchestration.values import parse_value
-from orchestration.words import assigned, seconds
+from adcs import System
+from adcs.cli.run import _change, _delay, _every
+from adcs.cli.words import assigned, seconds
+from orchestration.fmu.values import parse_value
+from orchestration.results.result import Recording
+from orchestration.running.live import Condition
 
 from .strategies import ODD, of_words
 from .tries import attempt

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from time import process_time
 from typing import Any
 
-from fmus.errors import AdcsError
+from adcs import AdcsError
 
 LONGEST = 2.0  # s of CPU time for a small input
 LONGEST_PER_MB = 2.0  # s more for each

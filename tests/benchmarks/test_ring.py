@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from adcs import run
 from benchmarks import ring
-from orchestration import run
 
 
 def test_each_body_is_fed_by_the_one_before_it() -> None:

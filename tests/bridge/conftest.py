@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hil_bridge.settings import Settings
+from hil_bridge.ground.settings import Settings
 
 from .ground import ROLES, Ground, Station, columns, parameter
 

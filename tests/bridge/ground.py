@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from pymavlink.dialects.v20 import common as mavlink
 
-from hil_bridge.endpoints import Peer
-from hil_bridge.parameters import Parameter
-from hil_bridge.security import Codec
-from hil_bridge.settings import Settings, Snapshot
-from hil_bridge.vehicle import Vehicle
+from hil_bridge.ground.endpoints import Peer
+from hil_bridge.ground.parameters import Parameter
+from hil_bridge.ground.security import Codec
+from hil_bridge.ground.settings import Settings, Snapshot
+from hil_bridge.ground.vehicle import Vehicle
 
 
 class Ground:

@@ -12,10 +12,10 @@ from typing import Any
 
 from pymavlink.dialects.v20 import common as mavlink
 
-from hil_bridge.endpoints import TcpIn, UdpIn
-from hil_bridge.link import Link
-from hil_bridge.server import Server
-from hil_bridge.settings import Settings, Snapshot
+from hil_bridge.ground.endpoints import TcpIn, UdpIn
+from hil_bridge.ground.link import Link
+from hil_bridge.ground.server import Server
+from hil_bridge.ground.settings import Settings, Snapshot
 
 PATIENCE = 30.0  # s: far longer than anything takes, on a busy machine too
 

@@ -16,9 +16,9 @@ from itertools import pairwise
 import numpy as np
 from pymavlink.dialects.v20 import common as mavlink
 
-from hil_bridge.security import Codec
-from hil_bridge.settings import Pointing
-from orchestration import run
+from adcs import run
+from hil_bridge.ground.security import Codec
+from hil_bridge.ground.settings import Pointing
 
 from .ground import Station, values
 from .live import HEARTBEAT, Udp, bridge, until

@@ -18,9 +18,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hil_bridge.options import Options, attached
-from orchestration import run
-from studies.registry import SYSTEMS
+from adcs import run
+from adcs.catalogue import SYSTEMS
+from adcs.cli.ground_tools import Options, attached
 
 from .live import Over, Udp
 
@@ -63,7 +63,7 @@ class Tool(Thread):
 
 def flown(tool, port, name="full-state-pd", allow="arm,param,attitude", **more):
     """A run in real time until the tool is done; what was recorded."""
-    from orchestration.results import RunInterrupted
+    from adcs import RunInterrupted
 
     entry = SYSTEMS[name]
     system = entry.build()
@@ -195,7 +195,7 @@ def test_mavproxy_in_a_terminal(tmp_path):
         ["torque_switch.enabled", 0],
         ["torque_switch.enabled", 1],
     ]
-    from hil_bridge.tlog import read
+    from hil_bridge.ground.tlog import read
 
     logs = list(tmp_path.rglob("mp.tlog"))
     assert logs and len(list(read(logs[0]))) > 100

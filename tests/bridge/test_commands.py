@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from orchestration import cli
+from adcs.cli import app as cli
 
 from .live import Udp
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
-from fmus.errors import AdcsError
-from hil_bridge import endpoints
-from hil_bridge.endpoints import Place
+from adcs import AdcsError
+from hil_bridge.ground import endpoints
+from hil_bridge.ground.endpoints import Place
 
 from .live import HEARTBEAT, Udp, bridge, until
 

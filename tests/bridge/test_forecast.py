@@ -4,14 +4,11 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
-from fmus.errors import AdcsError
-from hil_bridge import attach
-from hil_bridge.forecast import Forecast
-from hil_bridge.security import Bucket
-from orchestration import run
-from orchestration.results import RunFailed
-from orchestration.session import CoSimulation
-from studies.registry import SYSTEMS
+from adcs import AdcsError, RunFailed, Session, run
+from adcs.catalogue import SYSTEMS
+from hil_bridge.ground import attach
+from hil_bridge.ground.forecast import Forecast
+from hil_bridge.ground.security import Bucket
 
 from .test_run import flown
 
@@ -20,7 +17,7 @@ ENTRY = SYSTEMS["observer-pd"]
 
 @pytest.fixture
 def simulation():
-    with CoSimulation(ENTRY.build(), step=0.01, steps=3000) as found:
+    with Session(ENTRY.build(), step=0.01, steps=3000) as found:
         for _ in range(100):
             found.propagate()
             found.move_on()
@@ -29,7 +26,7 @@ def simulation():
 
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 def test_a_gain_that_would_end_the_run_is_refused_and_the_run_is_not_touched(version):
-    with CoSimulation(ENTRY.build(), step=0.01, steps=3000, fmi_version=version) as simulation:
+    with Session(ENTRY.build(), step=0.01, steps=3000, fmi_version=version) as simulation:
         for _ in range(100):
             simulation.propagate()
             simulation.move_on()
@@ -51,7 +48,7 @@ def test_a_gain_that_would_end_the_run_is_refused_and_the_run_is_not_touched(ver
 
 def test_the_forecast_is_what_happens():
     """The time at which the run is said to end is the time at which it does."""
-    with CoSimulation(ENTRY.build(), step=0.01, steps=3000) as simulation:
+    with Session(ENTRY.build(), step=0.01, steps=3000) as simulation:
         for _ in range(100):
             simulation.propagate()
             simulation.move_on()

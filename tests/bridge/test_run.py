@@ -14,17 +14,15 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
-from fmus.errors import AdcsError
-from hil_bridge.attach import Bridge
-from hil_bridge.commands import make_commandable
-from hil_bridge.mapping import ROLES, find
-from hil_bridge.options import Options, attached
-from hil_bridge.parameters import parameters
-from hil_bridge.settings import Settings
-from hil_bridge.trial import Trial
-from orchestration import run
-from orchestration.results import RunInterrupted
-from studies.registry import SYSTEMS
+from adcs import AdcsError, RunInterrupted, run
+from adcs.catalogue import SYSTEMS
+from adcs.cli.ground_tools import Options, attached
+from hil_bridge.ground.attach import Bridge
+from hil_bridge.ground.commands import make_commandable
+from hil_bridge.ground.mapping import ROLES, find
+from hil_bridge.ground.parameters import parameters
+from hil_bridge.ground.settings import Settings
+from hil_bridge.ground.trial import Trial
 
 from .live import HEARTBEAT, Over, Udp, until
 
@@ -212,7 +210,7 @@ def test_the_last_words_say_how_it_ended():
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="this platform has no SIGKILL")
 def test_a_simulation_that_is_killed_is_missed():
     station = Udp()
-    code = "from orchestration.cli import main; main()"
+    code = "from adcs.cli.app import main; main()"
     command = [sys.executable, "-c", code, "bridge", "full-state-pd", "--out", f"udpout:127.0.0.1:{station.port}"]
     with subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as process:
         until(lambda: station.count("ATTITUDE") > 5)

@@ -10,9 +10,9 @@ from dataclasses import replace
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
-from fmus.errors import AdcsError
-from hil_bridge.security import Bucket, Codec, Keyring
-from hil_bridge.settings import Pointing
+from adcs import AdcsError
+from hil_bridge.ground.security import Bucket, Codec, Keyring
+from hil_bridge.ground.settings import Pointing
 
 from .ground import Ground, Station
 
@@ -90,7 +90,7 @@ def test_a_restart_forgets_nothing(tmp_path):
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from hil_bridge.security import Codec, Keyring
+from hil_bridge.ground.security import Codec, Keyring
 receiver = Codec(1, 1, Keyring(bytes(range(32)), Path(sys.argv[1]), lambda: 1_800_000_000.0))
 print(len(receiver.parsed(bytes.fromhex(sys.argv[2]), True)[0]), receiver.keyring.now(), flush=True)
 os.kill(os.getpid(), signal.SIGKILL)

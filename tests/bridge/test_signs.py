@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
+from adcs.catalogue import SYSTEMS
 from hil_bridge import frames
-from hil_bridge.settings import Pointing
-from studies.registry import SYSTEMS
+from hil_bridge.ground.settings import Pointing
 
 from .ground import ROLES, Station, columns, orbiting, values
 from .live import until

@@ -8,11 +8,11 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 from scipy.spatial.transform import Rotation
 
-from fmus.errors import AdcsError
-from hil_bridge.events import Limits, Watch
+from adcs import AdcsError
 from hil_bridge.frames import Earth, lvlh
-from hil_bridge.settings import Snapshot
-from hil_bridge.telemetry import MESSAGES
+from hil_bridge.ground.events import Limits, Watch
+from hil_bridge.ground.settings import Snapshot
+from hil_bridge.ground.telemetry import MESSAGES
 from hil_bridge.wire import clamped, milliseconds, texts
 
 from .ground import Ground, Station, columns, orbiting, values

@@ -10,13 +10,12 @@ import pytest
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import common as mavlink
 
-from fmus.errors import AdcsError
-from hil_bridge.endpoints import Place
-from hil_bridge.options import Options, attached
-from hil_bridge.replay import replay
-from hil_bridge.tlog import TlogWriter, read, sender
-from orchestration import run
-from studies.registry import SYSTEMS
+from adcs import AdcsError, run
+from adcs.catalogue import SYSTEMS
+from adcs.cli.ground_tools import Options, attached
+from hil_bridge.ground.endpoints import Place
+from hil_bridge.ground.replay import replay
+from hil_bridge.ground.tlog import TlogWriter, read, sender
 
 from .live import Udp
 

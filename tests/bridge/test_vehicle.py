@@ -8,7 +8,7 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from hil_bridge import frames
-from hil_bridge.settings import Pointing
+from hil_bridge.ground.settings import Pointing
 
 from .ground import Ground, Station, orbiting, parameter, values
 

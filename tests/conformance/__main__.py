@@ -8,7 +8,7 @@ from typing import get_args
 
 from fmus.paths import BUILD
 from orchestration.checking import check
-from orchestration.fmu import Kind
+from orchestration.fmu.file import Kind
 
 from .sources import build, commit
 from .trial import CLOSE, ONE_INTERNAL_STEP, Trial, trial

@@ -10,9 +10,8 @@ from typing import Any
 import fmpy
 import numpy as np
 
-from fmus.errors import AdcsError
-from orchestration import System, run
-from orchestration.fmu import Fmu, Kind, Port, open_fmu
+from adcs import AdcsError, System, run
+from orchestration.fmu.file import Fmu, Kind, Port, open_fmu
 from orchestration.system import NUMERIC
 
 CLOSE: dict[Kind, float] = {"co-simulation": 1e-12, "model-exchange": 1e-4}

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 import typer.main
 
+from adcs.cli.app import app
 from fmus.catalog import components
-from orchestration.cli import app
 
 ROOT = Path(__file__).parents[2]
 CONTRIBUTING = ROOT / "CONTRIBUTING.md"  # its examples are of a component that is not built here

@@ -6,7 +6,7 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 import fmus
-from fmus.errors import AdcsError
+from adcs import AdcsError
 from fmus.paths import BUILD, CHECKOUT
 from fmus.toolchain import compile_step, host, run_steps
 

@@ -1,7 +1,7 @@
 import pytest
 
+from adcs import AdcsError
 from fmus import catalog
-from fmus.errors import AdcsError
 
 
 def test_the_five_components_with_their_kinds():

@@ -2,9 +2,9 @@ import stat
 
 import pytest
 
+from adcs import AdcsError
 from fmus.build import describe
 from fmus.describe import run_describe
-from fmus.errors import AdcsError
 
 
 def test_names_of_elements(spinner):

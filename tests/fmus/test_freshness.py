@@ -7,10 +7,10 @@ import shutil
 import pytest
 
 import fmus
+from adcs import System
+from adcs.cli.app import main
 from fmus import freshness
 from fmus.paths import SOURCES
-from orchestration import System
-from orchestration.cli import main
 
 
 @pytest.fixture

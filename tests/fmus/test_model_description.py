@@ -6,7 +6,7 @@ import pytest
 from fmpy.model_description import read_model_description
 from lxml import etree
 
-from fmus.errors import AdcsError
+from adcs import AdcsError
 from fmus.model_description import fmi2, fmi3
 
 

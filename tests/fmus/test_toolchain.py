@@ -1,7 +1,7 @@
 import lief
 import pytest
 
-from fmus.errors import AdcsError
+from adcs import AdcsError
 from fmus.toolchain import (
     TARGETS,
     compile_step,

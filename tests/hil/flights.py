@@ -9,13 +9,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from adcs import Result, System
+from adcs.library.hardware.systems import PERIOD, hil_spacecraft
 from hil_bridge.hil.actuators import Actuators
 from hil_bridge.hil.flying import fly
 from hil_bridge.hil.link import Link, Server
 from hil_bridge.hil.lockstep import Flight, Terms
 from hil_bridge.hil.wiring import Wiring
-from orchestration import Result, System
-from studies.hardware.systems import PERIOD, hil_spacecraft
 
 AUTOPILOT = Path(__file__).parent / "autopilot.py"
 EXACT = {

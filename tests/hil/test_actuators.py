@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
-from fmus.errors import AdcsError
+from adcs import AdcsError
+from adcs.cli.hil import _numbers
 from hil_bridge.hil.actuators import Actuators
-from hil_bridge.hil.cli import _numbers
 
 NAN = float("nan")
 

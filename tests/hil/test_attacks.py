@@ -17,13 +17,12 @@ from flights import prepared
 from pymavlink.dialects.v20 import common as mavlink
 from test_failures import ANSWER, ARMED, Hand
 
-from fmus.errors import AdcsError
+from adcs import AdcsError, RunFailed
+from adcs.library.hardware.systems import PERIOD
 from hil_bridge.hil.actuators import Actuators
 from hil_bridge.hil.flying import fly
 from hil_bridge.hil.framing import Frames
 from hil_bridge.hil.link import Server
-from orchestration.results import RunFailed
-from studies.hardware.systems import PERIOD
 
 N = int(os.environ.get("ADCS_FUZZ", "6000"))
 

@@ -6,8 +6,8 @@ from flights import EXACT, flown
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from orchestration import Result, System, run
-from studies.hardware.systems import INERTIA, PERIOD, hil_spacecraft
+from adcs import Result, System, run
+from adcs.library.hardware.systems import INERTIA, PERIOD, hil_spacecraft
 
 K_P, K_V = 1.5, 5.0
 RECORDED = ("plant.q_BN", "plant.omega_BN_B", "actuator.torque_B")

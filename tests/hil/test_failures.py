@@ -18,12 +18,11 @@ from flights import autopilot, connected, flown, prepared
 from pymavlink.dialects.v20 import common as mavlink
 from typer.testing import CliRunner
 
-from fmus.errors import AdcsError
+from adcs import AdcsError, RunFailed, RunInterrupted
+from adcs.cli.app import app
+from adcs.library.hardware.systems import PERIOD
 from hil_bridge.hil.flying import fly
 from hil_bridge.hil.link import Server
-from orchestration.cli import app
-from orchestration.results import RunFailed, RunInterrupted
-from studies.hardware.systems import PERIOD
 
 ANSWER = mavlink.MAVLink_hil_actuator_controls_message
 ARMED = mavlink.MAV_MODE_FLAG_SAFETY_ARMED
@@ -293,7 +292,7 @@ def test_requests_are_answered_and_the_interval_of_the_truth_is_kept() -> None:
 
 def test_the_command_line(tmp_path: Path) -> None:
     """As a user does it: the command in one shell, the autopilot in another, kill -9."""
-    command = [sys.executable, "-c", "from orchestration.cli import main; main()", "hil", "hil-spacecraft"]
+    command = [sys.executable, "-c", "from adcs.cli.app import main; main()", "hil", "hil-spacecraft"]
     options = ["--port", "0", "--stop", "30", "--frame", "eci", "--out", str(tmp_path), "--no-report"]
     with subprocess.Popen([*command, *options], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
         assert process.stderr is not None

@@ -9,13 +9,12 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 from scipy.spatial.transform import Rotation
 
-from fmus.errors import AdcsError
+from adcs import AdcsError, System
+from adcs.library.hardware.systems import hil_spacecraft
 from hil_bridge.frames import Earth, Geodetic, Place
 from hil_bridge.hil.field import MagneticField
 from hil_bridge.hil.messages import Messages, Moment, frame
 from hil_bridge.hil.wiring import Wiring
-from orchestration import System
-from studies.hardware.systems import hil_spacecraft
 
 WIRING = Wiring.find(hil_spacecraft())
 EPOCH = datetime(2026, 1, 1)

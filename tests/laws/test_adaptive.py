@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import CoupledModel, System, run
+from adcs import AdcsError, CoupledModel, System, run
 from tests.adaptor import test_dependencies as dependencies
 
 from . import adaptive_reference as ref

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from orchestration import CoupledModel, System, run
-from studies.thakur import adaptive_systems as systems
+from adcs import CoupledModel, System, run
+from adcs.library.thakur.adaptive import systems as systems
 
 from .adaptive_reference import (
     DIAGONAL,

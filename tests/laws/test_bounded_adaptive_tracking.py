@@ -8,12 +8,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fmus.errors import AdcsError
-from orchestration import System, run
-from orchestration.coupled import CoupledModel
-from orchestration.instance import CallFailed
-from studies.deruiter import systems
-from studies.deruiter.settings import NOMINAL_INERTIA, Choices
+from adcs import AdcsError, CoupledModel, System, run
+from adcs.library.deruiter import systems
+from adcs.library.deruiter.settings import NOMINAL_INERTIA, Choices
+from orchestration.instances.instance import CallFailed
 
 from . import deruiter_reference as ref
 from .at_points import (

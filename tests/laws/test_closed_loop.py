@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from orchestration import System, run
-from orchestration.coupled import CoupledModel
-from studies.registry import SYSTEMS
+from adcs import CoupledModel, System, run
+from adcs.catalogue import SYSTEMS
 
 from .reference import Array, Loop, rate_along
 

@@ -1,6 +1,6 @@
 """The inequalities behind de Ruiter's dead zone, at random states: they hold with every misprint settled, not without.
 
-Equation numbers are the paper's. Everything is recomputed here from definitions; `studies.deruiter.design` is compared.
+Equation numbers are the paper's. All is recomputed here from definitions, and `library.deruiter.design` is compared.
 """
 
 from collections.abc import Callable, Iterator
@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from fmus.errors import AdcsError
-from studies.deruiter.design import WORST, EstimationBounds, Guarantee, Law, Task, parameters
+from adcs import AdcsError
+from adcs.library.deruiter.design import WORST, EstimationBounds, Guarantee, Law, Task, parameters
 
 from . import deruiter_reference as ref
 from .at_points import inertia

@@ -9,8 +9,8 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from scipy.stats import chisquare, combine_pvalues, kstest
 
-from orchestration import System, run
-from orchestration.instance import CallFailed
+from adcs import System, run
+from orchestration.instances.instance import CallFailed
 
 from . import gyro_free_reference as ref
 from .at_points import Law, Point, compare, draw, quaternion, same_bits, slopes, to_1e_12

@@ -9,15 +9,14 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from orchestration import run
-from orchestration.coupled import CoupledModel
-from orchestration.fmu import FmiVersion
-from studies.registry import SYSTEMS
-from studies.thakur.gyro_free_level import printed_level, start_value, sufficient_level
-from studies.thakur.gyro_free_settings import Start
-from studies.thakur.gyro_free_systems import gyro_free
-from studies.thakur.settings import INERTIA, INERTIA_ERRORS
-from studies.thakur.systems import observer_inertia_error, observer_pd, quest_observer_pd
+from adcs import CoupledModel, run
+from adcs.catalogue import SYSTEMS
+from adcs.library.thakur.gyro_free.level import printed_level, start_value, sufficient_level
+from adcs.library.thakur.gyro_free.settings import Start
+from adcs.library.thakur.gyro_free.systems import gyro_free
+from adcs.library.thakur.observer.settings import INERTIA, INERTIA_ERRORS
+from adcs.library.thakur.observer.systems import observer_inertia_error, observer_pd, quest_observer_pd
+from orchestration.fmu.file import FmiVersion
 
 from . import reference as base
 from .gyro_free_mutants import MUTANTS

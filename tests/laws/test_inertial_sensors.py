@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.stats import combine_pvalues, kstest
 
-from orchestration import System, run
-from orchestration.instance import CallFailed
+from adcs import System, run
+from orchestration.instances.instance import CallFailed
 
 from .at_points import quaternion
 from .fmu_access import VERSIONS, Component

@@ -13,11 +13,11 @@ import pytest
 from numpy.typing import ArrayLike
 from scipy.stats import chisquare, kstest, kstwobign, norm
 
+from adcs import System, run
+from adcs.library.hardware.systems import hil_spacecraft
 from fmus import catalog, fmu_path
-from orchestration import System, run
-from orchestration.fmu import open_fmu
-from orchestration.seeds import seeds_of
-from studies.hardware.systems import hil_spacecraft
+from orchestration.fmu.file import open_fmu
+from orchestration.fmu.seeds import seeds_of
 
 from .fmu_access import VERSIONS, Component
 from .noise_reference import State, Words, directions, mixed, normal, start, uniform, words

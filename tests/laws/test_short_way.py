@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from orchestration import System, run
+from adcs import System, run
 
 from .fmu_access import VERSIONS, Component
 from .reference import Array

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fmus.errors import AdcsError
-from orchestration import CoupledModel, System, run
-from orchestration.instance import CallFailed
-from studies.six_dof import systems
-from studies.six_dof.settings import Start
+from adcs import AdcsError, CoupledModel, System, run
+from adcs.library.six_dof import systems
+from adcs.library.six_dof.settings import Start
+from orchestration.instances.instance import CallFailed
 
 from . import six_dof_reference as ref
 from . import velocity_free_reference as orbit

@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 from scipy.stats import kstest
 
-from orchestration import System, run
-from orchestration.instance import CallFailed
+from adcs import System, run
+from orchestration.instances.instance import CallFailed
 
 from . import trigo_reference as ref
 from .at_points import (

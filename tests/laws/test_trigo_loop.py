@@ -7,12 +7,10 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import Result, RunFailed, System, run
-from orchestration.ssp import read_ssp, write_ssp
-from studies.trigo import settings
-from studies.trigo.settings import AS_MADE, AS_PRINTED, Controller, Scenario
-from studies.trigo.systems import CATALOG, ESTIMATE, build, exchange_step, stride
+from adcs import AdcsError, Result, RunFailed, System, read_ssp, run, write_ssp
+from adcs.library.trigo import settings
+from adcs.library.trigo.settings import AS_MADE, AS_PRINTED, Controller, Scenario
+from adcs.library.trigo.systems import CATALOG, ESTIMATE, build, exchange_step, stride
 
 from . import trigo_reference as ref
 from .fmu_access import Component

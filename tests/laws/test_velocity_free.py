@@ -10,10 +10,10 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 from scipy.stats import kstest
 
-from orchestration import CoupledModel, System, run
-from orchestration.instance import CallFailed
-from studies.velocity_free import systems
-from studies.velocity_free.settings import DRAG_AND_OBLATENESS, ORBIT, Uncertainty
+from adcs import CoupledModel, System, run
+from adcs.library.velocity_free import systems
+from adcs.library.velocity_free.settings import DRAG_AND_OBLATENESS, ORBIT, Uncertainty
+from orchestration.instances.instance import CallFailed
 
 from . import velocity_free_reference as ref
 from .at_points import (

@@ -7,7 +7,7 @@ import foreign_fmus
 import mocks
 import pytest
 
-from orchestration import System
+from adcs import System
 
 Mock = Callable[..., Path]
 

@@ -10,8 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from orchestration import System
-from orchestration.ssp import write_ssp
+from adcs import System, write_ssp
 
 ADCS = (sys.executable, "-P", "-m", "adcs")
 ROOT = Path(__file__).parents[2]

@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import RunFailed, System, run
-from orchestration.accuracy import estimate_error
-from studies.registry import SYSTEMS
+from adcs import AdcsError, RunFailed, System, estimate_error, run
+from adcs.catalogue import SYSTEMS
 
 T5 = SYSTEMS["observer-pd"]
 

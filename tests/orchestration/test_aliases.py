@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import System, run
+from adcs import AdcsError, System, run
+from adcs.cli.words import assign
 from orchestration.single import single
-from orchestration.words import assign
 
 TIMES = np.array([0.0, 0.1, 0.2])
 

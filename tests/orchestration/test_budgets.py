@@ -11,11 +11,11 @@ import foreign_fmus
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import RunFailed, System, run, stepping
+from adcs import AdcsError, RunFailed, System, run
 from orchestration.coupled import integrators, solution
 from orchestration.grid import Grid
-from orchestration.live import Pace
+from orchestration.instances import stepping
+from orchestration.running.live import Pace
 
 ME = {"method": "model-exchange"}
 

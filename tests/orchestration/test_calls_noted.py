@@ -3,10 +3,10 @@
 import foreign_fmus
 import pytest
 
-from orchestration.fmu import extracted, open_fmu
-from orchestration.instance import CallFailed, Instance
-from orchestration.isolation.guard import Guard
-from orchestration.isolation.where import ACTIONS, Action, Place, Where
+from orchestration.fmu.file import extracted, open_fmu
+from orchestration.instances.instance import CallFailed, Instance
+from orchestration.process.guard import Guard
+from orchestration.process.where import ACTIONS, Action, Place, Where
 
 
 class Log(Where):

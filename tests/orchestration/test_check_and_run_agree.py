@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from odd_fmus import GOOD, REFUSED, STRICTER, Odd
 
+from adcs import AdcsError, run
+from adcs.catalogue import find_system
 from fmus.checks.behaviour import report
-from fmus.errors import AdcsError
-from orchestration import checking, run
-from orchestration.fmu import open_fmu
-from orchestration.named import find_system
+from orchestration import checking
+from orchestration.fmu.file import open_fmu
 
 
 @pytest.fixture(scope="module")

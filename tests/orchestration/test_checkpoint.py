@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import RunInterrupted, System, run
-from orchestration.loops import LoopSolver
-from studies.registry import SYSTEMS
+from adcs import AdcsError, LoopSolver, RunInterrupted, System, run
+from adcs.catalogue import SYSTEMS
 
 STEPPINGS = ["compiled", "python"]
 

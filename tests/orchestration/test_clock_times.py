@@ -6,11 +6,10 @@ from pathlib import Path
 import foreign_fmus
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import RunFailed, System, run
-from orchestration.clocks import Intervals, Timer
-from orchestration.description import Clock
-from orchestration.instance import CallFailed
+from adcs import AdcsError, RunFailed, System, run
+from orchestration.fmu.description import Clock
+from orchestration.instances.clocks import Intervals, Timer
+from orchestration.instances.instance import CallFailed
 
 RETUNED, CHANGED, COUNTED = 1, 2, 3
 WRONG = {"nan": 1, "inf": 2, "-1.0": 3}

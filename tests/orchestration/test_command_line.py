@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 import scipy.io
 
-from orchestration import cli
+from adcs.cli import app as cli
 
-ADCS = (sys.executable, "-c", "from orchestration.cli import main; main()")
+ADCS = (sys.executable, "-c", "from adcs.cli.app import main; main()")
 
 
 def adcs(*arguments: object) -> int:
@@ -87,7 +87,7 @@ def test_options_reach_the_run(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (("nothing",), 1, "adcs: no system 'nothing': choose one of observer-pd, full-state-pd"),
+        (("nothing",), 1, "adcs: no system 'nothing': choose one of bounded-adaptive"),
         (("observer-pd", "--step", "0"), 1, "adcs: step = 0.0 s: expected a positive time"),
         (("observer-pd", "--step", "nan"), 1, "adcs: step = nan s is not finite"),
         (

@@ -5,8 +5,7 @@ import threading
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import RunFailed, RunInterrupted, System, run, steps
+from adcs import AdcsError, RunFailed, RunInterrupted, System, run, steps
 
 STEPPINGS = ("compiled", "python")
 

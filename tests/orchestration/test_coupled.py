@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import CoupledModel, RunFailed, System, run
-from orchestration.loops import LoopSolver
+from adcs import AdcsError, CoupledModel, LoopSolver, RunFailed, System, run
 
 SOLVERS = {"DOP853": 1e-13, "CVode": 1e-7}
 ME = {"method": "model-exchange"}

@@ -10,13 +10,12 @@ import event_fmus
 import foreign_fmus
 import pytest
 
-from fmus.errors import AdcsError
-from hil_bridge.cli import _go
+from adcs import AdcsError, RunFailed, Session, System, linearize, run, steps
+from adcs.cli import app as cli
+from adcs.cli.bridge import _go
 from hil_bridge.hil.flying import fly
-from orchestration import CoSimulation, RunFailed, System, cli, run, steps
 from orchestration.grid import Grid
-from orchestration.linear import linearize
-from orchestration.live import Pace
+from orchestration.running.live import Pace
 
 STEPPINGS = ("compiled", "python")
 TAKEN, DISCARDED, EARLY, TAKEN_BY_DISCARD = 0, 1, 2, 3
@@ -138,7 +137,7 @@ def test_steps_yield_nothing_after_it(foreign):
 
 
 def test_a_session_says_who(foreign):
-    with CoSimulation(pair(foreign("quitter"), {"at": 0.5}), step=0.25) as simulation:
+    with Session(pair(foreign("quitter"), {"at": 0.5}), step=0.25) as simulation:
         times = [time for time, _ in simulation]
         assert times[-1] == 0.5
         assert str(simulation.ended) == "c ended the simulation at t = 0.5 s: landed"
@@ -238,7 +237,7 @@ def test_under_a_bridge(foreign):
         seen.append(simulation.k - 1)
         return ()
 
-    with CoSimulation(pair(foreign("quitter"), {"at": 0.5}), step=0.25) as simulation:
+    with Session(pair(foreign("quitter"), {"at": 0.5}), step=0.25) as simulation:
         pace = Pace(Grid(0.0, 1e-4, 0))
         pace.start(0)
         _go(simulation, watcher, pace)

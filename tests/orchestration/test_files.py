@@ -9,9 +9,9 @@ import pandas as pd
 import pytest
 import scipy.io
 
-from fmus.errors import AdcsError
-from orchestration import System, hdf5, run
-from studies.registry import SYSTEMS
+from adcs import AdcsError, System, run
+from adcs.catalogue import SYSTEMS
+from orchestration.results import hdf5
 
 T5 = SYSTEMS["observer-pd"]
 

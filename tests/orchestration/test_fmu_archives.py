@@ -14,9 +14,8 @@ from pathlib import Path
 import pytest
 
 import fmus
-from fmus.errors import AdcsError
-from orchestration import System, run
-from orchestration.fmu import open_fmu
+from adcs import AdcsError, System, run
+from orchestration.fmu.file import open_fmu
 
 XML = "modelDescription.xml"
 BINARY = "binaries/linux64/gain.so"

@@ -6,9 +6,8 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import System, run
-from orchestration.fmu import extracted, locate, open_fmu
+from adcs import AdcsError, System, run
+from orchestration.fmu.file import extracted, locate, open_fmu
 
 
 def edited(source: Path, target: Path, *, drop: str = "", add: str = "", xml: tuple[str, str] | None = None) -> Path:

@@ -12,14 +12,13 @@ import foreign_fmus
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import RunFailed, System, run
-from orchestration.clocks import Intervals, Timer
-from orchestration.description import Clock
-from orchestration.events import Events
-from orchestration.fmu import extracted, locate, open_fmu
-from orchestration.instance import CallFailed, Instance
-from orchestration.stepping import Stepper
+from adcs import AdcsError, RunFailed, System, run
+from orchestration.fmu.description import Clock
+from orchestration.fmu.file import extracted, locate, open_fmu
+from orchestration.instances.clocks import Intervals, Timer
+from orchestration.instances.events import Events
+from orchestration.instances.instance import CallFailed, Instance
+from orchestration.instances.stepping import Stepper
 
 STEPPINGS = ("compiled", "python")
 Foreign = Callable[..., Path]

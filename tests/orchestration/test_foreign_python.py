@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestration import RunFailed, System, run
-from orchestration.fmu import open_fmu
-from studies.thakur.systems import full_state_pd, observer_pd
+from adcs import RunFailed, System, run
+from adcs.library.thakur.observer.systems import full_state_pd, observer_pd
+from orchestration.fmu.file import open_fmu
 
 pythonfmu = pytest.importorskip("pythonfmu.builder")
 pythonfmu3 = pytest.importorskip("pythonfmu3.builder")

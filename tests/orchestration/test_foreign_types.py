@@ -8,11 +8,10 @@ import foreign_fmus
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import System, run
-from orchestration.fmu import open_fmu
-from orchestration.typed_values import item_name
-from orchestration.values import parse_value
+from adcs import AdcsError, System, run
+from orchestration.fmu.file import open_fmu
+from orchestration.fmu.typed_values import item_name
+from orchestration.fmu.values import parse_value
 
 Foreign = Callable[..., Path]
 TYPES = {"2.0": ["Float64", "Int32", "Boolean"], "3.0": foreign_fmus.NUMBERS}

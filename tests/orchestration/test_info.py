@@ -6,10 +6,9 @@ import pytest
 from typer.testing import CliRunner
 
 import fmus
-from fmus.errors import AdcsError
-from orchestration.cli import app
-from orchestration.ssp import write_ssp
-from studies.registry import SYSTEMS
+from adcs import AdcsError, write_ssp
+from adcs.catalogue import SYSTEMS
+from adcs.cli.app import app
 
 
 def info(*arguments):

@@ -14,10 +14,9 @@ import pytest
 import scipy.io
 from hostile import adcs, as_file, start, system, until
 
-from fmus.errors import AdcsError
-from orchestration import RunFailed, run
+from adcs import AdcsError, RunFailed, run
 from orchestration.isolation import journal
-from orchestration.isolation.lock import Lock
+from orchestration.process.lock import Lock
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 
@@ -202,7 +201,7 @@ def test_exit_at_the_end_is_no_end_of_a_run(mock, tmp_path):
 def test_what_a_component_prints_does_not_get_into_json_nor_its_folder_into_paths(mock, tmp_path):
     made = system(mock, "print_doStep")
     made.add("folder_doStep", mock("hostile", name="another"))
-    from orchestration.ssp import write_ssp
+    from adcs import write_ssp
 
     write_ssp(made, tmp_path / "two.ssp")
     options = ("--stop", 1, "--step", 0.1, "--format", "csv", "--out", "out", "--json", "--no-report")

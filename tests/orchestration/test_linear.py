@@ -11,12 +11,10 @@ import scipy.io
 from scipy.spatial.transform import Rotation
 from typer.testing import CliRunner
 
-from fmus.errors import AdcsError
-from orchestration import CoupledModel, System, linear_cli
-from orchestration.instance import Instance
-from orchestration.linear import linearize
-from orchestration.loops import LoopSolver
-from studies.registry import SYSTEMS
+from adcs import AdcsError, CoupledModel, LoopSolver, System, linearize
+from adcs.catalogue import SYSTEMS
+from adcs.cli import linearize as linear_cli
+from orchestration.instances.instance import Instance
 
 J = np.array([[10.0, 1.2, 0.5], [1.2, 19.0, 1.5], [0.5, 1.5, 25.0]])
 NONE = [0.0, 0.0, 0.0]
@@ -393,7 +391,7 @@ def test_command_line(tmp_path, mock):
 
 
 def test_an_ssp_file_is_linearised_like_its_system(tmp_path):
-    from orchestration.ssp import write_ssp
+    from adcs import write_ssp
 
     write_ssp(pd_at_rest(), tmp_path / "hold.ssp")
     printed = adcs(str(tmp_path / "hold.ssp"), "--json")

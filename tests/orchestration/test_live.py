@@ -7,11 +7,9 @@ import time
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import RunFailed, System, run
-from orchestration.instance import Instance
-from orchestration.session import CoSimulation
-from studies.registry import SYSTEMS
+from adcs import AdcsError, RunFailed, Session, System, run
+from adcs.catalogue import SYSTEMS
+from orchestration.instances.instance import Instance
 
 STEPPINGS = ["compiled", "python"]
 T5 = SYSTEMS["observer-pd"]
@@ -173,7 +171,7 @@ def test_a_component_that_hangs_is_named_and_the_rows_are_kept(faulty, version, 
 
 
 def test_a_simulation_step_by_step_that_is_changed_on_the_way():
-    with CoSimulation(T5.build(), step=0.125, record=["plant.omega_BN_B"]) as simulation:
+    with Session(T5.build(), step=0.125, record=["plant.omega_BN_B"]) as simulation:
         seen = []
         for t, values in simulation:
             seen.append(values["plant.omega_BN_B"].copy())
@@ -189,9 +187,9 @@ def test_a_simulation_step_by_step_that_is_changed_on_the_way():
 
 def test_a_simulation_goes_back_to_a_snapshot(chain):
     refused = pytest.raises(AdcsError, match=r"^integrator \(integrator\.fmu\) cannot save its state$")
-    with CoSimulation(chain(), step=0.5, steps=6) as simulation, refused:
+    with Session(chain(), step=0.5, steps=6) as simulation, refused:
         simulation.save()
-    with CoSimulation(T5.build(), step=0.125) as simulation:
+    with Session(T5.build(), step=0.125) as simulation:
         course = iter(simulation)
         first = [next(course)[1]["plant.q_BN"].copy() for _ in range(3)]
         before = simulation.save()
@@ -209,7 +207,9 @@ def test_a_process_ends_well_after_it_gave_up_a_call(mock, stepping):
     faulty, source = mock("faulty"), mock("source")
     script = f"""
 import time
-from orchestration import RunFailed, System, run
+from adcs import RunFailed
+from adcs import System
+from adcs import run
 system = System("late")
 system.add("wheel", {str(faulty)!r}, {{"mode": 9, "from": 0.5}})
 system.add("source", {str(source)!r})
@@ -261,4 +261,4 @@ def test_the_header_of_a_result_file_of_pure_numbers_is_understood(tmp_path):
 @pytest.mark.parametrize("stop", [float("nan"), float("inf"), 0.2, 0.31, -1.0])
 def test_the_end_of_a_last_step_is_checked(chain, stop):
     with pytest.raises(AdcsError, match=rf"^stop_time = {stop} s: step 3 ends after 0\.2 and at 0\.3 s at the latest$"):
-        CoSimulation(chain(), step=0.1, steps=3, stop_time=stop)
+        Session(chain(), step=0.1, steps=3, stop_time=stop)

@@ -5,9 +5,7 @@ import pytest
 from scipy.optimize import root
 from scipy.spatial.transform import Rotation
 
-from fmus.errors import AdcsError
-from orchestration import System, run
-from orchestration.loops import LoopSolver
+from adcs import AdcsError, LoopSolver, System, run
 
 STEPPINGS = ["compiled", "python"]
 METHODS = ["newton", "fixed-point"]

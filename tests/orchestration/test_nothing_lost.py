@@ -15,15 +15,15 @@ import numpy as np
 import pytest
 from hostile import adcs, as_file, system
 
-from fmus.errors import AdcsError
-from orchestration import RunFailed, run
-from orchestration.isolation import journal, temporary
-from orchestration.isolation.disk import Disk
+from adcs import AdcsError, RunFailed, run
+from orchestration.isolation import journal
 from orchestration.isolation.folder import ResultsFolder
 from orchestration.isolation.journal import Journal
-from orchestration.isolation.lock import Lock
-from orchestration.isolation.temporary import temporary_folder
-from orchestration.isolation.writing import replacing
+from orchestration.process import temporary
+from orchestration.process.disk import Disk
+from orchestration.process.lock import Lock
+from orchestration.process.temporary import temporary_folder
+from orchestration.process.writing import replacing
 
 FULL = "No space left on device"
 

@@ -8,10 +8,9 @@ import foreign_fmus
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import CoSimulation, RunFailed, System, run
-from orchestration.live import Inputs
-from orchestration.number_types import RANGES, first_beyond, first_misfit
+from adcs import AdcsError, RunFailed, Session, System, run
+from orchestration.fmu.number_types import RANGES, first_beyond, first_misfit
+from orchestration.running.live import Inputs
 
 Foreign = Callable[..., Path]
 STEPPINGS = ["compiled", "python"]
@@ -112,7 +111,7 @@ def test_what_a_factor_or_offset_rounds_is_refused(types, stepping, value, scale
 def test_integers_given_as_such_arrive_whole(types, stepping):
     """Start values and changes are no doubles on their way."""
     system = alone(types, u_Int64=FIRST, p_UInt64=2**64 - 1)
-    with CoSimulation(system, step=0.1, stepping=stepping, record=["c.y_Int8"]) as simulation:
+    with Session(system, step=0.1, stepping=stepping, record=["c.y_Int8"]) as simulation:
         instance = simulation.instances["c"]
 
         def read(name, kind):
@@ -188,7 +187,7 @@ def test_what_is_not_finite_is_refused_in_every_path(types, tmp_path, way, kind,
 def test_what_comes_from_outside_at_a_point_is_looked_at_there(types, stepping, kind, value):
     """Whoever drives a simulation himself gives numbers that no table has seen."""
     external = [f"c.u_{kind}"]
-    with CoSimulation(alone(types), step=0.1, steps=2, stepping=stepping, external=external) as simulation:
+    with Session(alone(types), step=0.1, steps=2, stepping=stepping, external=external) as simulation:
         rows = np.empty((1, simulation.recording.size))
         _, written, failed = simulation.advance(1, np.array([[value]]), rows)
     assert written == 0
@@ -223,7 +222,7 @@ def test_a_mapping_that_doubles_would_round_is_refused(types):
 
 def test_a_loop_that_grows_beyond_all_numbers_is_refused(types):
     """Solving it sets inputs past the ordinary path."""
-    with CoSimulation(alone(types), step=0.1) as simulation:
+    with Session(alone(types), step=0.1) as simulation:
         instance = simulation.instances["c"]
         for kind, value in (("Float64", np.inf), ("Float32", 1e39), ("Int8", 1.5)):
             with pytest.raises(AdcsError, match=rf"^c: set: {re.escape(str(value))}"):

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import LoopSolver, System, run
+from adcs import AdcsError, LoopSolver, System, run
 
 STEPPINGS = ["compiled", "python"]
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import foreign_fmus
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration.fmu import open_fmu
+from adcs import AdcsError
+from orchestration.fmu.file import open_fmu
 
 
 @pytest.fixture(scope="session")

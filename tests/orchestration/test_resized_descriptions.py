@@ -7,8 +7,7 @@ import zipfile
 import numpy as np
 import pytest
 
-from orchestration import CoupledModel, run
-from orchestration.linear import linearize
+from adcs import CoupledModel, linearize, run
 from orchestration.single import single
 
 SIZE = (

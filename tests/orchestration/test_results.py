@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 import scipy.io
 
-from fmus.errors import AdcsError
-from orchestration import System, run
+from adcs import AdcsError, System, run
 
 
 @pytest.fixture

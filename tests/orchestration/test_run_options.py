@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from test_command_line import adcs
 
-from orchestration.run_cli import at_in_one
+from adcs.cli.run import at_in_one
 
 
 @pytest.fixture

@@ -4,8 +4,8 @@ from time import process_time
 
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration.schedule import Name, schedule, split
+from adcs import AdcsError
+from orchestration.plan.schedule import Name, schedule, split
 
 
 def order(connections: dict[str, str], depends: dict[str, list[str]], record: list[str] = []) -> list[str]:  # noqa: B006

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from test_command_line import adcs
 
+from adcs import System, run
 from fmus import fmu_path
-from orchestration import System, run
-from orchestration.fmu import Fmu, open_fmu
-from orchestration.manifest import make_manifest
-from orchestration.seeds import default_seed, seeds_of
+from orchestration.fmu.file import Fmu, open_fmu
+from orchestration.fmu.seeds import default_seed, seeds_of
+from orchestration.results.manifest import make_manifest
 
 GYRO = {"gyro_noise": 1.0, "period": 0.1, "omega_BN_B": (0, 0, 0), "specific_force_B": (0, 0, 0)}
 SEEDS = {"port": 1983658957, "starboard": 901417892}

@@ -12,11 +12,10 @@ import mocks
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
+from adcs import AdcsError, Session, System, estimate_error, run, steps
+from adcs.cli import app as cli
+from adcs.library.thakur.observer.systems import observer_pd
 from hil_bridge.hil.flying import check
-from orchestration import CoSimulation, System, cli, run, steps
-from orchestration.accuracy import estimate_error
-from studies.thakur.systems import observer_pd
 
 STEPPINGS = ("compiled", "python")
 ME = {"method": "model-exchange"}
@@ -145,7 +144,7 @@ def test_the_checkpoint_is_that_before_it(foreign, version, tmp_path):
 def test_steps_and_sessions(chain):
     times = [t for t, _ in steps(chain(), stop_time=0.35, step=0.1)]
     assert times == [0.0, 0.1, 0.2, 0.1 * 3, 0.35]
-    with CoSimulation(chain(), step=0.1, steps=4, stop_time=0.35) as simulation:
+    with Session(chain(), step=0.1, steps=4, stop_time=0.35) as simulation:
         *_, (_, values) = simulation
         assert values["source.y"][0] == pytest.approx(1.35)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from orchestration import RunFailed, System, run
+from adcs import RunFailed, System, run
 
 STEPPINGS = ("compiled", "python")
 

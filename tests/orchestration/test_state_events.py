@@ -12,8 +12,7 @@ import event_fmus
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import RunFailed, System, run
+from adcs import AdcsError, RunFailed, System, run
 from orchestration.coupled import solution
 from orchestration.coupled.crossing import first_crossing
 

@@ -11,8 +11,7 @@ import foreign_fmus
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import System, run, steps
+from adcs import AdcsError, System, run, steps
 from orchestration.grid import Grid
 
 STEPPINGS = ("compiled", "python")

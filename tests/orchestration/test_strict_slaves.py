@@ -7,11 +7,9 @@ import foreign_fmus
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import CoSimulation, RunFailed, System, run
-from orchestration.instance import Instance
-from orchestration.live import Change
-from orchestration.session import CoSimulation as Session
+from adcs import AdcsError, RunFailed, Session, System, run
+from orchestration.instances.instance import Instance
+from orchestration.running.live import Change
 
 Foreign = Callable[..., Path]
 STEPPINGS = ["compiled", "python"]
@@ -96,7 +94,7 @@ def test_when_a_change_is_made_makes_no_difference(foreign, version, stepping, m
 
 def test_which_changes_come_after_their_row(foreign, version):
     def early(record, name):
-        with CoSimulation(alone(foreign(version)), step=0.1, record=record) as simulation:
+        with Session(alone(foreign(version)), step=0.1, record=record) as simulation:
             return not Change(0, name, 1.0).may_follow(simulation)
 
     assert not early(["c.x"], "c.u")
@@ -158,7 +156,7 @@ def test_a_refusal_names_what_was_changed(foreign, version, stepping):
 
 
 def test_what_is_set_step_by_step_is_set_after_the_point(foreign, version):
-    with CoSimulation(alone(foreign(version)), step=0.125, steps=3, record=["c.x"]) as simulation:
+    with Session(alone(foreign(version)), step=0.125, steps=3, record=["c.x"]) as simulation:
         seen = []
         for time, values in simulation:
             seen.append(values["c.x"].item())

@@ -10,10 +10,9 @@ import pytest
 import scipy.io
 from typer.testing import CliRunner
 
-from fmus.errors import AdcsError
-from orchestration import System, run
-from orchestration.cli import app
-from orchestration.fmu import open_fmu
+from adcs import AdcsError, System, run
+from adcs.cli.app import app
+from orchestration.fmu.file import open_fmu
 from orchestration.single import single
 
 

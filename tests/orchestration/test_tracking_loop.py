@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from orchestration import run, steps
-from studies.thakur import settings
-from studies.thakur.systems import full_state_pd, observer_pd
+from adcs import run, steps
+from adcs.library.thakur.observer import settings
+from adcs.library.thakur.observer.systems import full_state_pd, observer_pd
 
 STATES = ("plant.q_BN", "plant.omega_BN_B", "observer.q_EN", "observer.omega_EN_E")
 

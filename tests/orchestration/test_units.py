@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import pytest
 from fmpy.model_description import BaseUnit, Unit
 
-from fmus.errors import AdcsError
-from orchestration.units import Scale, conversion
+from adcs import AdcsError
+from orchestration.fmu.units import Scale, conversion
 
 
 def fmu(**units):

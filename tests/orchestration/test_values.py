@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration.fmu import locate, open_fmu
-from orchestration.values import parse_value
+from adcs import AdcsError
+from orchestration.fmu.file import locate, open_fmu
+from orchestration.fmu.values import parse_value
 
 
 @pytest.mark.parametrize(

@@ -10,12 +10,11 @@ from typing import Any
 import foreign_fmus
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import System, run
-from orchestration.fmu import open_fmu
+from adcs import AdcsError, System, run
+from adcs.cli.words import assign, assigned
+from orchestration.fmu.file import open_fmu
+from orchestration.fmu.values import parse_value
 from orchestration.system import checked_value
-from orchestration.values import parse_value
-from orchestration.words import assign, assigned
 
 Foreign = Callable[..., Path]
 

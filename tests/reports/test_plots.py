@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from orchestration.plots import (
+from orchestration.results.plots import (
     POINTS_IN_REPORT,
     Guide,
     Panel,

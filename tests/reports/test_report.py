@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from lxml import html
 
-from orchestration import report
-from orchestration.plots import Panel, Series
-from orchestration.report import KeyNumber, Table, format_cell
+from orchestration.results import report
+from orchestration.results.plots import Panel, Series
+from orchestration.results.report import KeyNumber, Table, format_cell
 
 EVIL = "<script>alert('x')</script> & more"
 MANIFEST = {

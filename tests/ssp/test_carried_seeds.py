@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from orchestration import System, run
-from orchestration.ssp import read_ssp, write_ssp
+from adcs import System, read_ssp, run, write_ssp
 
 SENSORS = {
     "gyro": ("InertialMeasurementUnit", {"gyro_noise": 1.0, "omega_BN_B": (0, 0, 0), "specific_force_B": (0, 0, 0)}),

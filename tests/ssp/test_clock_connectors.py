@@ -5,9 +5,7 @@ from __future__ import annotations
 import pytest
 from packages import Variable, bindings, component, connections, elements, make_fmu, parameters, ssd, system
 
-from fmus.errors import AdcsError
-from orchestration import System, run
-from orchestration.ssp import read_ssp, write_ssp
+from adcs import AdcsError, System, read_ssp, run, write_ssp
 
 SLOW = '"constant" intervalDecimal="0.25" shiftDecimal="0.1"'
 VARIABLES = [

@@ -10,8 +10,7 @@ import pytest
 from lxml import etree
 from test_round_trip import everything, written
 
-from fmus.errors import AdcsError
-from orchestration.ssp import read_ssp
+from adcs import AdcsError, read_ssp
 
 TEXTS = ["", "x", "1", "-1", "1e400", "nan", "true", "u", "../x", "a.b", "bus", "9" * 20, "2.0", "input", "m", "w[1]"]
 

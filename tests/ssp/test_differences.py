@@ -8,10 +8,8 @@ from pathlib import Path
 import pytest
 from packages import bindings, component, connections, elements, mapping, parameters, ssd, system
 
-from fmus.errors import AdcsError
-from orchestration import System
-from orchestration.ssp import read_ssp
-from orchestration.words import assigned
+from adcs import AdcsError, System, read_ssp
+from adcs.cli.words import assigned
 
 UNITS = (
     '<UnitDefinitions><Unit name="K"><BaseUnit K="1"/><DisplayUnit name="degC" offset="-273.15"/>'

@@ -6,10 +6,9 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from fmus.errors import AdcsError
-from orchestration.ssp import read_ssp
-from orchestration.ssp.cli import app as commands
-from studies.registry import SYSTEMS
+from adcs import AdcsError, read_ssp
+from adcs.catalogue import SYSTEMS
+from adcs.cli.export import app as commands
 
 
 @pytest.fixture
@@ -66,7 +65,7 @@ def test_from_a_file_into_another(export):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["nonsense"], "no system 'nonsense': choose one of observer-pd"),
+        (["nonsense"], "no system 'nonsense': choose one of bounded-adaptive"),
         (["observer-pd", "--ssp", "x.zip"], "x.zip does not end in .ssp"),
         (["x.ssp"], "say where to: adcs export x.ssp --ssp FILE.ssp"),
         (["x.ssp", "y.ssp"], "cannot open x.ssp"),

@@ -7,9 +7,9 @@ from itertools import combinations, pairwise
 import pytest
 from test_round_trip import everything
 
+from adcs.catalogue import SYSTEMS
 from orchestration.ssp.layout import arrange
 from orchestration.ssp.tree import make_tree
-from studies.registry import SYSTEMS
 
 
 def drawn(system):
@@ -71,7 +71,7 @@ def test_the_flow_is_from_left_to_right():
 
 
 def test_loops_and_long_chains_are_drawn(fmus):
-    from orchestration import System
+    from adcs import System
 
     system = System("chain")
     for i in range(300):

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 from packages import Variable, bindings, component, connections, elements, make_fmu, parameters, ssd
 
-from fmus.errors import AdcsError
-from orchestration.ssp import read_ssp, write_ssp
+from adcs import AdcsError, read_ssp, write_ssp
 
 
 @pytest.fixture

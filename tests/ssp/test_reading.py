@@ -20,7 +20,7 @@ from packages import (
     system,
 )
 
-from orchestration.ssp import read_ssp
+from adcs import read_ssp
 
 SENDER = "output y Real m; output far Real km; output angle Real deg; output plain Real; output yes; output n Integer"
 RECEIVER = "input u Real m; input angle Real rad; input plain Real; input on Boolean; input n Integer; output z Real m"

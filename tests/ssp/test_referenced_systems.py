@@ -8,8 +8,7 @@ import zipfile
 import pytest
 from packages import bindings, component, connections, elements, parameters, ssd, system
 
-from fmus.errors import AdcsError
-from orchestration.ssp import read_ssp
+from adcs import AdcsError, read_ssp
 
 SENDER = component("a", "output y Real m; output far Real km")
 PINS = "input i Real m; output o Real m; parameter p Real"

@@ -18,8 +18,7 @@ from packages import (
     system,
 )
 
-from fmus.errors import AdcsError
-from orchestration.ssp import read_ssp
+from adcs import AdcsError, read_ssp
 
 A = component("a", "output y Real m; output far; output plain; output yes Boolean; output n Integer; output angle")
 B = component("b", "input u Real m; input plain; input on Boolean; input angle; parameter k; output z")

@@ -10,11 +10,9 @@ import pytest
 from fmpy.ssp.simulation import simulate_ssp
 from lxml import etree
 
-from fmus.errors import AdcsError
-from orchestration import System, run
-from orchestration.ssp import read_ssp, write_ssp
+from adcs import AdcsError, System, read_ssp, run, write_ssp
+from adcs.catalogue import SYSTEMS
 from orchestration.ssp.schemas import schema
-from studies.registry import SYSTEMS
 
 VERSIONS = ("2.0", "3.0")
 

@@ -8,9 +8,7 @@ import pytest
 from lxml import etree
 from packages import Variable, bindings, component, connections, elements, make_fmu, mapping, parameters, ssd, system
 
-from fmus.errors import AdcsError
-from orchestration import System, run
-from orchestration.ssp import read_ssp, write_ssp
+from adcs import AdcsError, System, read_ssp, run, write_ssp
 
 PINS = "structuralParameter n UInt64; input u Float64 [{0}]; output y Float64 [{0}]"
 ANY = PINS.format("?")

@@ -9,10 +9,10 @@ import pytest
 from packages import bindings, component, elements, parameters, ssd
 from typer.testing import CliRunner
 
-from fmus.errors import AdcsError
-from orchestration.cli import app
-from orchestration.named import find_system, from_anywhere
-from orchestration.ssp import read_ssp
+from adcs import AdcsError, read_ssp
+from adcs.catalogue import find_system
+from adcs.cli.app import app
+from orchestration.from_file import from_anywhere
 
 
 def variant(k, stop):

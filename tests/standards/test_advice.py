@@ -3,10 +3,8 @@
 import pytest
 
 import fmus
-from fmus.errors import AdcsError
-from orchestration import System, run
-from orchestration.fmu import open_fmu
-from orchestration.loops import LoopSolver
+from adcs import AdcsError, LoopSolver, System, run
+from orchestration.fmu.file import open_fmu
 from orchestration.system import checked_value
 
 from .small import changed, description3, packed

@@ -6,11 +6,10 @@ import zipfile
 import pytest
 
 import fmus
+from adcs import AdcsError, read_ssp
+from adcs.catalogue import find_system
 from fmus.check import check
-from fmus.errors import AdcsError
-from orchestration.fmu import open_fmu
-from orchestration.named import find_system
-from orchestration.ssp import read_ssp
+from orchestration.fmu.file import open_fmu
 
 from .small import changed, description2, description3, packed
 

@@ -2,11 +2,11 @@
 
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration.fmu import open_fmu
-from orchestration.ranges import declared_ranges
-from orchestration.typed_values import item_numbers
-from orchestration.values import parse_value
+from adcs import AdcsError
+from orchestration.fmu.file import open_fmu
+from orchestration.fmu.ranges import declared_ranges
+from orchestration.fmu.typed_values import item_numbers
+from orchestration.fmu.values import parse_value
 
 from .small import description2, description3, packed
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration.fmu import open_fmu
-from orchestration.values import parse_value
+from adcs import AdcsError
+from orchestration.fmu.file import open_fmu
+from orchestration.fmu.values import parse_value
 
 from .small import description2, description3, packed
 

@@ -20,11 +20,11 @@ import pytest
 from lxml import etree
 
 import fmus
-from orchestration import run
-from orchestration.fmu import open_fmu
-from orchestration.ranges import declared_ranges
+from adcs import read_ssp, run
+from orchestration.fmu.file import open_fmu
+from orchestration.fmu.ranges import declared_ranges
 from orchestration.single import single
-from orchestration.ssp import archive, read_ssp
+from orchestration.ssp import archive
 
 from .__main__ import PAGE, page
 from .schemas import ITSELF, STANDARDS, attributes

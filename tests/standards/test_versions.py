@@ -7,11 +7,10 @@ import pytest
 from typer.testing import CliRunner
 
 import fmus
+from adcs import AdcsError, run
+from adcs.cli.app import app
 from fmus.check import check
-from fmus.errors import AdcsError
-from orchestration import run
-from orchestration.cli import app
-from orchestration.fmu import open_fmu
+from orchestration.fmu.file import open_fmu
 from orchestration.single import single
 
 from .small import changed, description2, description3, packed

@@ -94,7 +94,10 @@ TRIED = (
         "an end that a component asks for, at the end of a step and in its midst",
         "orchestration/test_end_requested.py::test_in_the_midst_of_a_step",
     ),
-    ("one instance per process, by a library for each", "orchestration/test_foreign.py::test_one_instance_per_library"),
+    (
+        "one instance per process, by a library for each",
+        "orchestration/test_foreign.py::test_one_instance_per_library",
+    ),
     ("FMI 2.0 and 3.0 in one SSP", "ssp/test_reading.py::TestArrays::test_of_fmi_2_and_3_go_together"),
     ("FMI 2.0 components in SSP 2.0", "ssp/test_round_trip.py::test_ssp_2_with_components_of_fmi_2"),
     (

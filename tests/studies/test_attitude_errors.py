@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from studies import attitude
+from adcs.library import attitude
 
 RANDOM = np.random.default_rng(7)
 

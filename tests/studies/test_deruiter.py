@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import System
-from orchestration import run as run_system
-from studies.deruiter import bounded, exact, study, systems, views
-from studies.deruiter.bounded import ERRORS, EXACT, OBSERVER
-from studies.deruiter.design import EstimationBounds
-from studies.deruiter.settings import Choices
-from studies.deruiter.signals import (
+from adcs import AdcsError, System
+from adcs import run as run_system
+from adcs.catalogue import STUDIES, SYSTEMS
+from adcs.library.deruiter import bounded, exact, study, systems, views
+from adcs.library.deruiter.bounded import ERRORS, EXACT, OBSERVER
+from adcs.library.deruiter.design import EstimationBounds
+from adcs.library.deruiter.settings import Choices
+from adcs.library.deruiter.signals import (
     ATTITUDE,
     ATTITUDE_ESTIMATE,
     FILTERED,
@@ -25,8 +25,7 @@ from studies.deruiter.signals import (
     Signals,
     signals,
 )
-from studies.outcome import Outcome
-from studies.registry import STUDIES, SYSTEMS
+from adcs.library.outcome import Outcome
 
 
 def made_up(size: float, error: float = 0.0) -> Signals:

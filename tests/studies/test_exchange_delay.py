@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from orchestration import run
-from studies.velocity_free.systems import stabilisation
+from adcs import run
+from adcs.library.velocity_free.systems import stabilisation
 
 
 def rates(step: float, steps: int) -> np.ndarray:

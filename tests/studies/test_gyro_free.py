@@ -7,16 +7,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import run as run_system
-from studies.outcome import Outcome, Row, Runner
-from studies.registry import SYSTEMS
-from studies.thakur import gyro_free, gyro_free_noise, gyro_free_steps, gyro_free_theorem, inertia_errors, quest, study
-from studies.thakur.gyro_free import FULL_STATE, GYRO_FREE
-from studies.thakur.gyro_free_level import printed_level, resting_attitudes, start_value, sufficient_level
-from studies.thakur.gyro_free_settings import HALF_ANGLE, Start
-from studies.thakur.gyro_free_signals import ANGLE, RATE, TORQUE, Motion
-from studies.thakur.settings import Choices
+from adcs import AdcsError
+from adcs import run as run_system
+from adcs.catalogue import SYSTEMS
+from adcs.library.outcome import Outcome, Row, Runner
+from adcs.library.thakur import study
+from adcs.library.thakur.choices import Choices
+from adcs.library.thakur.gyro_free import claims as gyro_free
+from adcs.library.thakur.gyro_free import noise as gyro_free_noise
+from adcs.library.thakur.gyro_free import steps as gyro_free_steps
+from adcs.library.thakur.gyro_free import theorem as gyro_free_theorem
+from adcs.library.thakur.gyro_free.claims import FULL_STATE, GYRO_FREE
+from adcs.library.thakur.gyro_free.level import printed_level, resting_attitudes, start_value, sufficient_level
+from adcs.library.thakur.gyro_free.settings import HALF_ANGLE, Start
+from adcs.library.thakur.gyro_free.signals import ANGLE, RATE, TORQUE, Motion
+from adcs.library.thakur.observer import inertia_errors, quest
 
 SHORT = Choices(stop_time=121.0, steady_from=120.0)
 

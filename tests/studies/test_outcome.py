@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from orchestration.plots import Panel
-from orchestration.report import KeyNumber, Table
-from studies.outcome import Outcome, Row, Runner, as_json, claims_table, verdict, write_csv
+from adcs.library.outcome import Outcome, Row, Runner, as_json, claims_table, verdict, write_csv
+from orchestration.results.plots import Panel
+from orchestration.results.report import KeyNumber, Table
 
 NAMES = ["study", "table", "cell", "settings", "printed", "ours", "relative_error", "verdict", "note"]
 NUMBER = Row("x", "Table 1", "a", "10 Hz", 2.0, 2.1, 0.05, "reproduced")

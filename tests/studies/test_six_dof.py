@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import run as run_system
-from studies.outcome import Outcome
-from studies.registry import STUDIES, SYSTEMS
-from studies.six_dof import study
-from studies.six_dof.settings import Choices, Scaling
-from studies.six_dof.signals import ATTITUDE, DELTA_V, FORCE, POSITION, TORQUE, signals
-from studies.six_dof.systems import CATALOG, RECORD, saturated, six_dof
+from adcs import AdcsError
+from adcs import run as run_system
+from adcs.catalogue import STUDIES, SYSTEMS
+from adcs.library.outcome import Outcome
+from adcs.library.six_dof import study
+from adcs.library.six_dof.settings import Choices, Scaling
+from adcs.library.six_dof.signals import ATTITUDE, DELTA_V, FORCE, POSITION, TORQUE, signals
+from adcs.library.six_dof.systems import CATALOG, RECORD, saturated, six_dof
 from tests.laws.six_dof_reference import Loop, S
 
 COUPLED: dict[str, Any] = {"method": "model-exchange", "rtol": 1e-10, "atol": 1e-9, "record": RECORD}

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fmus.errors import AdcsError
-from orchestration.plots import Panel, Series
-from studies import cli
-from studies.outcome import Outcome, Progress, Row
-from studies.registry import StudyEntry
+from adcs import AdcsError
+from adcs.cli import study as cli
+from adcs.library.entry import StudyEntry
+from adcs.library.outcome import Outcome, Progress, Row
+from orchestration.results.plots import Panel, Series
 
 MANIFEST = {
     "started": "2020-01-01",

@@ -7,14 +7,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import run as run_system
-from studies.outcome import Outcome, Row, Runner
-from studies.registry import SYSTEMS
-from studies.thakur import exchange_step, noise, noise_free, random_starts
-from studies.thakur.noise_free import FULL_STATE, OBSERVER
-from studies.thakur.settings import Choices
-from studies.thakur.signals import ATTITUDE, ATTITUDE_ESTIMATE, ERRORS, RATE, RATE_ESTIMATE, TORQUE, Signals
+from adcs import AdcsError
+from adcs import run as run_system
+from adcs.catalogue import SYSTEMS
+from adcs.library.outcome import Outcome, Row, Runner
+from adcs.library.thakur.choices import Choices
+from adcs.library.thakur.observer import exchange_step, noise, noise_free, random_starts
+from adcs.library.thakur.observer.noise_free import FULL_STATE, OBSERVER
+from adcs.library.thakur.observer.signals import (
+    ATTITUDE,
+    ATTITUDE_ESTIMATE,
+    ERRORS,
+    RATE,
+    RATE_ESTIMATE,
+    TORQUE,
+    Signals,
+)
 
 
 def runner(runs: int = 1000) -> Runner:

@@ -8,22 +8,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import run as run_system
-from studies.outcome import Outcome, Row, Runner
-from studies.registry import SYSTEMS
-from studies.thakur import (
-    adaptive_appendage,
-    adaptive_baseline,
-    adaptive_fuel,
-    adaptive_settings,
-    adaptive_steps,
-    adaptive_systems,
-)
-from studies.thakur.adaptive_appendage import FULL
-from studies.thakur.adaptive_baseline import COMPARISON, PROPOSED
-from studies.thakur.adaptive_signals import ATTITUDE, RATE, TORQUE, Track
-from studies.thakur.settings import Choices
+from adcs import AdcsError
+from adcs import run as run_system
+from adcs.catalogue import SYSTEMS
+from adcs.library.outcome import Outcome, Row, Runner
+from adcs.library.thakur.adaptive import appendage as adaptive_appendage
+from adcs.library.thakur.adaptive import baseline as adaptive_baseline
+from adcs.library.thakur.adaptive import fuel as adaptive_fuel
+from adcs.library.thakur.adaptive import settings as adaptive_settings
+from adcs.library.thakur.adaptive import steps as adaptive_steps
+from adcs.library.thakur.adaptive import systems as adaptive_systems
+from adcs.library.thakur.adaptive.appendage import FULL
+from adcs.library.thakur.adaptive.baseline import COMPARISON, PROPOSED
+from adcs.library.thakur.adaptive.signals import ATTITUDE, RATE, TORQUE, Track
+from adcs.library.thakur.choices import Choices
 
 Runs = dict[str, Track]
 

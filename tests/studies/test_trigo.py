@@ -6,15 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from orchestration import System, run
-from orchestration.plots import Panel
-from studies.outcome import Row
-from studies.registry import STUDIES, SYSTEMS
-from studies.trigo import study, views
-from studies.trigo.departures import DEPARTURES, undone
-from studies.trigo.metrics import Metrics, measure
-from studies.trigo.printed import Cell, Run, cells
-from studies.trigo.settings import (
+from adcs import System, run
+from adcs.catalogue import STUDIES, SYSTEMS
+from adcs.library.outcome import Row
+from adcs.library.trigo import study, views
+from adcs.library.trigo.departures import DEPARTURES, undone
+from adcs.library.trigo.metrics import Metrics, measure
+from adcs.library.trigo.printed import Cell, Run, cells
+from adcs.library.trigo.settings import (
     ARCSEC,
     AS_MADE,
     AS_PRINTED,
@@ -28,7 +27,8 @@ from studies.trigo.settings import (
     mirror_moments,
     parallel_axis,
 )
-from studies.trigo.systems import ESTIMATE, build, exchange_step, recorded, stride
+from adcs.library.trigo.systems import ESTIMATE, build, exchange_step, recorded, stride
+from orchestration.results.plots import Panel
 
 CHOICES = Choices()
 AT_10_HERTZ = cells(())

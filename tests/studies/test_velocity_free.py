@@ -8,14 +8,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fmus.errors import AdcsError
-from orchestration import run as run_system
-from studies.outcome import Runner
-from studies.registry import STUDIES, SYSTEMS
-from studies.velocity_free import feasible, gain_region, loops, study
-from studies.velocity_free.gain_region import FILTER_BOUNDS, STABILISATION, TRACKING, Bounds, margins, region, search
-from studies.velocity_free.settings import Choices
-from studies.velocity_free.systems import CATALOG
+from adcs import AdcsError
+from adcs import run as run_system
+from adcs.catalogue import STUDIES, SYSTEMS
+from adcs.library.outcome import Runner
+from adcs.library.velocity_free import feasible, gain_region, loops, study
+from adcs.library.velocity_free.gain_region import (
+    FILTER_BOUNDS,
+    STABILISATION,
+    TRACKING,
+    Bounds,
+    margins,
+    region,
+    search,
+)
+from adcs.library.velocity_free.settings import Choices
+from adcs.library.velocity_free.systems import CATALOG
 from tests.laws.reference import rate_along
 from tests.laws.velocity_free_reference import INERTIA, Conditions, Errors
 

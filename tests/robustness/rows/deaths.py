@@ -19,12 +19,11 @@ import numpy as np
 import scipy.io
 from hostile import adcs, as_file, start, system, until
 
+from adcs import AdcsError, Result, RunFailed, run
 from benchmarks import loop
-from fmus.errors import AdcsError
-from orchestration import Result, RunFailed, run
 from orchestration.isolation import journal
 from orchestration.isolation.journal import Journal
-from orchestration.isolation.lock import Lock
+from orchestration.process.lock import Lock
 from tests.robustness import Attack
 
 DEATHS = ("segfault", "abort", "exit", "quit", "kill", "trap", "overflow")

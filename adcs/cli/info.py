@@ -1,0 +1,196 @@
+"""`adcs info`: what a component, an FMU of anyone's, or a system in a file has, as a table or as JSON."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from adcs.cli.printing import ERR, OUT, Json, print_json
+from fmus import catalog
+from fmus.build import describe
+from fmus.built import paths
+from fmus.describe import Variable
+from fmus.errors import AdcsError
+from fmus.freshness import warn_if_outdated
+from orchestration.fmu.file import Fmu, Port, open_fmu
+from orchestration.ssp.names import is_ssp
+
+app = typer.Typer()
+
+
+@app.command("info")
+def info(
+    name: Annotated[str, typer.Argument(help="A component, or an .fmu or .ssp file.")], as_json: Json = False
+) -> None:
+    """Show the variables of a component or FMU with units and start values, or what an SSP file holds.
+
+    Examples: `adcs info RigidBody` · `adcs info path/to/some.fmu` · `adcs info system.ssp --json`
+    """
+    path = Path(name)
+    if path.suffix == ".fmu":
+        facts = _fmu(open_fmu(path))
+    elif is_ssp(name):
+        facts = _ssp(name)
+    else:
+        try:
+            _show_component(name, as_json)
+        except AdcsError as error:
+            raise AdcsError(f"{error}, or give an .fmu or .ssp file") from None
+        return
+    if as_json:
+        print_json(facts)
+    else:
+        _show(facts)
+
+
+def _show_component(name: str, as_json: bool) -> None:
+    """Print what a component declares, which the component itself is asked for; AdcsError if there is none."""
+    component = catalog.find(name)
+    for path in paths(component).values():
+        warn_if_outdated(name, path)
+    with ERR.status("asking the component ...") if not as_json else ERR.capture():
+        description = describe(name)
+    if as_json:
+        print_json({"kind": component.kind, **asdict(description)})
+        return
+    OUT.print(f"[bold]{description.name}[/bold] ({component.kind}): {description.description}")
+    if description.reference:
+        OUT.print(f"[dim]{description.reference}[/dim]")
+    table = Table()
+    table.add_column("Variable", min_width=max(len(v.name) for v in description.variables))  # names are never cut
+    for header in ("Causality", "Size", "Unit", "Start", "Bounds", "Description"):
+        table.add_column(header)
+    for v in description.variables:
+        if v.causality != "independent":
+            size = " x ".join(map(str, v.shape))
+            causality = f"{v.causality}, tunable" if v.variability == "tunable" else v.causality
+            table.add_row(v.name, causality, size, v.unit or "", _start(v), v.bounds, v.description)
+    OUT.print(table)
+
+
+def _start(v: Variable) -> str:
+    return "" if v.start is None else " ".join(f"{x:g}" for x in v.start)
+
+
+def _fmu(fmu: Fmu) -> dict[str, Any]:
+    model = fmu.model
+    interfaces = [
+        kind
+        for kind, there in (
+            ("co-simulation", model.coSimulation),
+            ("model-exchange", model.modelExchange),
+            ("scheduled-execution", model.scheduledExecution),
+        )
+        if there
+    ]
+    times = ("startTime", "stopTime", "tolerance", "stepSize")
+    experiment = {name: value for name in times if (value := getattr(model.defaultExperiment, name, None))}
+    return {
+        "name": model.modelName,
+        "description": model.description or "",
+        "fmi_version": model.fmiVersion,
+        "generation_tool": model.generationTool or "",
+        "interfaces": interfaces,
+        "platforms": list(fmu.platforms),
+        "sha256": fmu.sha256,
+        "default_experiment": {name: float(value) for name, value in experiment.items()},
+        "states": list(fmu.states),
+        "variables": [_variable(port) for port in fmu.ports.values()],
+    }
+
+
+def _variable(port: Port) -> dict[str, Any]:
+    start = None if port.start is None else [v.hex() if isinstance(v, bytes) else v for v in port.start]
+    return {
+        "name": port.name,
+        "causality": port.causality,
+        "variability": port.variability,
+        "type": port.type,
+        "shape": list(port.shape),
+        "unit": port.unit,
+        "start": start,
+        **({"items": dict(port.items)} if port.items else {}),
+        **({"alias_of": port.alias_of} if port.alias_of else {}),
+        "description": port.description,
+    }
+
+
+def _ssp(name: str) -> dict[str, Any]:
+    from orchestration.ssp import read_ssp
+
+    file = read_ssp(name)
+    return {
+        "name": file.system.name,
+        "description": file.system.description,
+        "ssp_version": file.version,
+        "structure": file.structure,
+        "structures": list(file.structures),
+        "start_time": file.start_time,
+        "stop_time": file.stop_time,
+        "step": file.step,
+        "components": [
+            {
+                "name": c.name,
+                "fmu": c.fmu.path.name,
+                "fmi_version": c.fmu.model.fmiVersion,
+                "description": c.fmu.model.description or "",
+            }
+            for c in file.system.components.values()
+        ],
+        "connections": [[c.source, c.target] for c in file.system.connections],
+    }
+
+
+def _show(facts: dict[str, Any]) -> None:
+    console = Console()
+
+    def say(text: str) -> None:
+        console.print(escape(text), highlight=False, soft_wrap=True)
+
+    console.print(f"[bold]{escape(facts['name'])}[/bold]: {escape(facts['description'])}", highlight=False)
+    if "components" in facts:
+        say(
+            f"SSP {facts['ssp_version']}, {len(facts['components'])} components, "
+            f"{len(facts['connections'])} connections"
+        )
+        if len(facts["structures"]) > 1:
+            others = ", ".join(name for name in facts["structures"] if name != facts["structure"])
+            say(f"of {facts['structure']}; there is also {others}, which FILE.ssp#NAME.ssd chooses")
+        times = {"start": facts["start_time"], "stop": facts["stop_time"], "step": facts["step"]}
+        if any(time is not None for time in times.values()):
+            say(", ".join(f"{name} {time:g} s" for name, time in times.items() if time is not None))
+        _table(console, ["Component", "FMU", "FMI", "Description"], [list(c.values()) for c in facts["components"]])
+        _table(console, ["From", "To"], facts["connections"])
+        return
+    say(
+        f"FMI {facts['fmi_version']}, {' and '.join(facts['interfaces'])}, "
+        f"for {', '.join(facts['platforms']) or 'no platform'}"
+        + (f"; made by {facts['generation_tool']}" if facts["generation_tool"] else "")
+    )
+    columns = ["Variable", "Causality", "Type", "Size", "Unit", "Start", "Description"]
+    rows = []
+    for v in facts["variables"]:
+        if v["causality"] == "independent":
+            continue
+        size = " x ".join(map(str, v["shape"]))
+        start = "" if v["start"] is None else " ".join(f"{x:g}" if isinstance(x, float) else str(x) for x in v["start"])
+        causality = f"{v['causality']}, tunable" if v["variability"] == "tunable" else v["causality"]
+        also = f"another name of {v['alias_of']}" if "alias_of" in v else ""
+        description = ". ".join(filter(None, (also, v["description"])))
+        rows.append([v["name"], causality, v["type"], size, v["unit"] or "", start, description])
+    _table(console, columns, rows)
+
+
+def _table(console: Console, columns: list[str], rows: list[list[str]]) -> None:
+    table = Table()
+    for i, column in enumerate(columns):
+        table.add_column(column, min_width=min(max((len(row[0]) for row in rows), default=0), 40) if i == 0 else None)
+    for row in rows:
+        table.add_row(*map(escape, row))
+    console.print(table)

@@ -1,0 +1,171 @@
+"""`adcs linearize`: a linear state space of a component or a system, its eigenvalues on the screen."""
+
+from __future__ import annotations
+
+import json as json_
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from fmus.errors import AdcsError
+
+if TYPE_CHECKING:
+    from orchestration.linear.state_space import Mode, StateSpace
+    from orchestration.system import System
+
+app = typer.Typer()
+
+_EPILOG = """Examples:
+
+adcs linearize PdTracking --set k_v=5
+
+adcs linearize observer-pd --at 60s --minimal --out loop.mat
+
+adcs linearize full-state-pd --open plant.torque_B --inputs plant.torque_B --outputs controller.torque_B
+"""
+
+
+@app.command(epilog=_EPILOG)
+def linearize(
+    system: Annotated[
+        str, typer.Argument(help="Name of a system or component (`adcs list`), or an .ssp or .fmu file.")
+    ],
+    at: Annotated[str, typer.Option(metavar="TIME", help="When: the system is run until then, as in 60s.")] = "0",
+    inputs: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAMES", help="Inputs, separated by commas. [default: all that are not connected]"),
+    ] = None,
+    outputs: Annotated[
+        list[str] | None, typer.Option(metavar="NAMES", help="Outputs, separated by commas. [default: all]")
+    ] = None,
+    open_: Annotated[
+        list[str] | None,
+        typer.Option("--open", metavar="NAMES", help="Cut the connections into these inputs, for a loop gain."),
+    ] = None,
+    minimal: Annotated[
+        bool, typer.Option("--minimal", help="Count a unit quaternion as the three angles of a small rotation.")
+    ] = False,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="NAME=VALUE", help="Start value, as for `adcs run`; may be repeated."),
+    ] = None,
+    fmi: Annotated[Literal["2", "3"], typer.Option(help="FMI version of the components.")] = "2",
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write all of it to a .mat or .json file.", show_default=False)
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print all of it as JSON.")] = False,
+) -> None:
+    """Linearise a component or a closed loop: matrices A, B, C, D, and eigenvalues with frequency and damping."""
+    from adcs.cli.words import assign
+    from orchestration.linear.linearization import linearize as linearize_
+
+    if out is not None and out.suffix not in (".mat", ".json"):
+        raise AdcsError(f"--out {out}: give a name that ends in .mat or .json")
+    built, alone = _find(system)
+    assign(built, set_ or [], alone)
+    found = linearize_(
+        built,
+        _seconds(at),
+        inputs=_names(inputs, alone),
+        outputs=_names(outputs, alone),
+        open_at=_names(open_, alone) or [],
+        minimal_coordinates=minimal,
+        fmi_version="2.0" if fmi == "2" else "3.0",
+    )
+    if out is not None:
+        found.write(out)
+    if json:
+        typer.echo(json_.dumps(found.as_dict(), indent=2))
+    else:
+        _show(found, alone, out)
+
+
+def _find(name: str) -> tuple[System, str | None]:
+    """Return the system, and the name of the component where there is only one."""
+    from adcs.catalogue import SYSTEMS, find_system
+    from fmus.paths import DIST
+    from orchestration.single import single
+
+    path = Path(name)
+    if path.suffix == ".fmu" or (
+        name not in SYSTEMS and any((DIST / f"{name}{x}.fmu").is_file() for x in ("", ".fmi3"))
+    ):
+        system = single(name)
+        return system, system.name
+    try:
+        return find_system(name).build(), None
+    except AdcsError as error:
+        if path.suffix:
+            raise
+        raise AdcsError(f"{error}, or a component that is built (`adcs list`)") from None
+
+
+def _names(texts: Sequence[str] | None, alone: str | None) -> list[str] | None:
+    """Split at commas, but not at those of `J_B[1,3]`."""
+    if texts is None:
+        return None
+    from adcs.cli.words import full_name
+
+    words = [word.strip() for text in texts for word in re.split(r",(?![^\[]*\])", text)]
+    return [full_name(word, alone) for word in words if word]
+
+
+def _seconds(text: str) -> float:
+    try:
+        return float(text.strip().removesuffix("s"))
+    except ValueError:
+        raise AdcsError(f"--at {text}: expected a time in seconds, as in 60s") from None
+
+
+def _show(found: StateSpace, alone: str | None, out: Path | None) -> None:
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
+    console = Console()
+    sizes = f"{len(found.states)} states, {len(found.inputs)} inputs, {len(found.outputs)} outputs"
+    console.print(f"[bold]{escape(found.system)}[/bold] at t = {found.time:g} s: {sizes}", highlight=False)
+    if found.states:
+        rows = [_row(mode, 1e-9 * max(abs(found.eigenvalues)), alone) for mode in found.modes]
+        table = Table()
+        table.add_column(escape("eigenvalue [1/s]"), no_wrap=True)
+        for column in ("frequency [rad/s]", "damping", "time constant [s]", "belongs to"):
+            justify: Literal["left", "right"] = "left" if column == "belongs to" else "right"
+            if justify == "right" or any(row[-1] for row in rows):
+                table.add_column(escape(column), justify=justify)
+        for row in rows:
+            table.add_row(*row[: len(table.columns)])
+        console.print(table)
+    else:
+        for line in _equations(found, alone):
+            console.print(line, highlight=False, markup=False, soft_wrap=True)
+    for note in found.notes:
+        console.print(f"Note: {note}.", highlight=False, markup=False, soft_wrap=True)
+    if out is not None:
+        console.print(str(out), highlight=False, markup=False, soft_wrap=True)
+
+
+def _row(mode: Mode, floor: float, alone: str | None) -> list[str]:
+    """Write a mode in words; parts below the floor are rounding, and left out."""
+    note = mode.note if alone is None else mode.note.replace(f"{alone}.", "")
+    real, imaginary = (0.0 if abs(part) <= floor else part for part in (mode.eigenvalue.real, mode.eigenvalue.imag))
+    if not (real or imaginary):
+        return ["0", "0", "", "", note]
+    value = f"{real:.5g}" + (f" ± {imaginary:.5g}i" if imaginary else "")
+    damping = mode.damping if real else 0.0
+    return [value, f"{mode.frequency:.5g}", f"{damping:.3g}", f"{mode.time_constant:.4g}" if real else "", note]
+
+
+def _equations(found: StateSpace, alone: str | None) -> list[str]:
+    """Write the rows of D of a system without states as equations between small changes."""
+    lines = []
+    for name, row in zip(found.outputs, found.D.tolist(), strict=True):
+        floor = 1e-13 * max(map(abs, row), default=0.0)
+        terms = [(v, u) for v, u in zip(row, found.inputs, strict=True) if abs(v) > floor]
+        line = " ".join(f"{'-' if v < 0 else '+'} {abs(v):.5g} {u}" for v, u in terms).removeprefix("+ ") or "0"
+        line = f"{name} = -{line[2:]}" if line.startswith("- ") else f"{name} = {line}"
+        lines.append(line if alone is None else line.replace(f"{alone}.", ""))
+    return lines

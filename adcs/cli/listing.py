@@ -1,0 +1,38 @@
+"""`adcs list`: the components and the systems that there are."""
+
+from __future__ import annotations
+
+import typer
+from rich.table import Table
+
+from adcs.catalogue import SYSTEMS
+from adcs.cli.printing import OUT, Json, print_json
+from fmus import catalog
+from fmus.built import paths
+
+app = typer.Typer()
+
+
+@app.command("list")
+def list_command(as_json: Json = False) -> None:
+    """List the components and the systems made of them.
+
+    Examples: `adcs list` · `adcs list --json`
+    """
+    components = catalog.components()
+    built = {c.name: {v: str(path) for v, path in paths(c).items() if path.is_file()} for c in components}
+    systems = [{"name": name, "description": system.description} for name, system in SYSTEMS.items()]
+    if as_json:
+        entries = [
+            {"name": c.name, "kind": c.kind, "description": c.summary, "fmus": built[c.name]} for c in components
+        ]
+        print_json({"components": entries, "systems": systems})
+        return
+    table = Table("Component", "Kind", "Description", "Built for FMI")
+    for c in components:
+        table.add_row(c.name, c.kind, c.summary, ", ".join(built[c.name]) or "[dim]not built[/dim]")
+    OUT.print(table)
+    table = Table("System", "Description")
+    for system in systems:
+        table.add_row(system["name"], system["description"])
+    OUT.print(table)

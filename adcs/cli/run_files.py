@@ -1,0 +1,92 @@
+"""The files of one run of the command line: its folder, its journal, and what is made of them at its end."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from adcs.cli.showing import Format, write_files
+from fmus.errors import AdcsError
+from orchestration.isolation import supervised
+from orchestration.isolation.folder import MANIFEST, ResultsFolder
+from orchestration.isolation.journal import Journal
+from orchestration.process import endings
+from orchestration.results import hdf5
+from orchestration.results.result import Result
+
+
+class RunFiles:
+    """A context manager around a run in a folder that is this run's alone; `journal` is for `run`.
+
+    From when the run begins, the folder holds a manifest with the status `running`, and the files of the run before are
+    in `previous/`; these go when this run is complete.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        formats: Sequence[Format],
+        about: Mapping[str, Any],
+        timeout: float,
+        printed: Callable[[], bool] | None = None,
+    ) -> None:
+        self._results = ResultsFolder(folder)
+        self.folder = self._results.path
+        self._formats, self._timeout = formats, timeout
+        self._manifest: dict[str, Any] | None = None
+        self._written = False
+        about = {**about, "formats": list(formats)}
+        self.journal = Journal(self._results.journal, about, self._begin, printed)
+
+    def __enter__(self) -> RunFiles:
+        self._results.__enter__()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._manifest is not None and not self._written and isinstance(error, AdcsError):
+            rows = 0 if self.journal.recording is None else self.journal.recording.filled
+            outcome = {"status": "failed", "message": str(error), "rows": rows}
+            with suppress(AdcsError):
+                self._result_of({**self._manifest, "outcome": outcome}).write_manifest(self.folder / MANIFEST)
+            self.journal.close(remove=rows == 0)
+        self._results.__exit__(kind, error, trace)
+
+    def write(self, result: Result, stopped: bool) -> list[Path]:
+        """Write the files; AdcsError says where the rows are, should one of them fail."""
+        try:
+            with endings.patient():
+                files = write_files(result, self.folder, self._formats)
+        except KeyboardInterrupt as error:
+            kept = f"{len(result.time)} rows are kept in {self.folder}: `adcs recover {self.folder}` writes them"
+            raise AdcsError(f"interrupted while the files were written; {kept}") from error
+        except AdcsError as error:
+            raise AdcsError(f"{error}; {kept_in(self.folder, len(result.time))}") from error
+        self._written = True
+        self.journal.close(remove=True)
+        if not stopped:
+            self._results.forget()
+        return files
+
+    def _begin(self, manifest: dict[str, Any]) -> None:
+        assert self.journal.recording is not None
+        if "hdf5" in self._formats:
+            hdf5.check(self.folder / "result.h5", self.journal.recording.ports)
+        self._results.clear()
+        self._manifest = manifest
+        running = {**manifest, "outcome": {"status": "running", "pid": os.getpid()}}
+        self._result_of(running).write_manifest(self.folder / MANIFEST)
+        supervised.watch(self.journal.path, self.journal.where, self._timeout)
+
+    def _result_of(self, manifest: dict[str, Any]) -> Result:
+        return Result(None, [], [], {}, manifest)  # type: ignore[arg-type]
+
+
+def kept_in(folder: Path, rows: int) -> str:
+    """Say what can be done about files that could not be written."""
+    return f"{rows} rows are kept in {folder}: make room, then `adcs recover {folder}`"

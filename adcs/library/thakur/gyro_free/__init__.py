@@ -1,0 +1,1 @@
+"""Chapter 4: attitude stabilisation from unit vectors, without a gyro."""

@@ -1,5 +1,0 @@
-"""`python -m fmus`: the commands that concern FMUs."""
-
-from fmus.cli import main
-
-main()

@@ -1,0 +1,97 @@
+"""A system from a file: an `.ssp`, one of several structures in it, or one `.fmu`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from orchestration.entry import SystemEntry
+from orchestration.fmu.file import element_names
+from orchestration.results.plots import Panel, Series
+from orchestration.results.report import KeyNumber
+from orchestration.results.result import Result
+from orchestration.single import single
+from orchestration.ssp.names import is_ssp, named_structure
+from orchestration.system import System
+
+_STEPS = 1000  # of a run whose file gives no exchange step
+_STOP = 10.0  # s, of a run whose file gives no stop time
+_MOST_CURVES = 9  # in one panel: a 3 x 3 matrix
+
+
+def is_file(name: str) -> bool:
+    """Whether a name is that of a file that holds a system: `.ssp`, a structure in one, or `.fmu`."""
+    return is_ssp(name) or Path(name).suffix == ".fmu"
+
+
+def system_from_file(name: str) -> SystemEntry:
+    """Return the system in a file for which `is_file` holds."""
+    return _from_ssp(name) if is_ssp(name) else _from_fmu(Path(name))
+
+
+def from_anywhere(name: str) -> str:
+    """Return the same name with the path of its file from anywhere, where it is one of a file."""
+    if is_ssp(name):
+        path, structure = named_structure(name)
+        return str(path.absolute()) + (f"#{structure}" if structure else "")
+    return str(Path(name).absolute()) if Path(name).suffix == ".fmu" else name
+
+
+def _from_ssp(name: str) -> SystemEntry:
+    from orchestration.ssp import read_ssp
+
+    path, structure = named_structure(name)
+    file = read_ssp(path, structure=structure)
+    start = file.start_time or 0.0
+    stop = start + _STOP if file.stop_time is None else file.stop_time
+    step = (stop - start) / _STEPS if file.step is None else file.step
+    variant = f"-{Path(structure).stem}" if structure else ""
+    return _entry(f"{path.stem}{variant}", file.system, start, stop, step)
+
+
+def _from_fmu(path: Path) -> SystemEntry:
+    system = single(path)
+    (component,) = system.components.values()
+    system.name = path.stem
+    experiment = component.fmu.model.defaultExperiment
+    start = float(experiment.startTime or 0.0) if experiment else 0.0
+    stop = float(experiment.stopTime or start + _STOP) if experiment else start + _STOP
+    step = float(experiment.stepSize or (stop - start) / _STEPS) if experiment else (stop - start) / _STEPS
+    return _entry(path.stem, system, start, stop, step)
+
+
+def _entry(name: str, system: System, start: float, stop: float, step: float) -> SystemEntry:
+    return SystemEntry(name, system.description, "", lambda: system, stop, step, figures, key_numbers, start)
+
+
+def figures(result: Result) -> Sequence[Panel]:
+    """A panel for each recorded variable, grouped by component."""
+    panels = []
+    for name in result.names:
+        values = np.asarray(result[name], float)
+        component, _, variable = name.partition(".")
+        curves = values.reshape(len(result.time), -1).T[:_MOST_CURVES]
+        labels = element_names(variable, values.shape[1:])
+        series = [Series(label, result.time, curve) for label, curve in zip(labels, curves, strict=False)]
+        unit = result.unit(name)
+        panels.append(
+            Panel(
+                variable,
+                f"{variable} [{unit}]" if unit else variable,
+                series,
+                note=result.description(name),
+                group=component,
+            )
+        )
+    return panels
+
+
+def key_numbers(result: Result) -> list[KeyNumber]:
+    """The last value of every scalar."""
+    return [
+        KeyNumber(name, float(result[name][-1]), result.unit(name) or "", f"at {result.time[-1]:g} s")
+        for name in result.names
+        if len(result.time) and result[name].ndim == 1
+    ]

@@ -1,0 +1,1 @@
+"""Linear state spaces of components and systems."""

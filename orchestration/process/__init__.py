@@ -1,0 +1,1 @@
+"""What keeps files and the process itself from harm; knows nothing of runs."""

@@ -1,0 +1,148 @@
+"""A co-simulation in a file: saved at a communication point, and gone on from there to the last bit."""
+
+from __future__ import annotations
+
+import io
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fmus.archive import Archive
+from fmus.errors import AdcsError
+from orchestration.process.writing import replacing
+from orchestration.running.session import Session
+
+_FORMAT = "adcs-checkpoint-1"
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """Point `k`, what belongs to the system that was there, and its state."""
+
+    path: Path
+    k: int
+    about: dict[str, Any]
+    arrays: dict[str, NDArray[Any]]
+
+    @classmethod
+    def read(cls, path: Path) -> Checkpoint:
+        """Read a file that `write` made."""
+        try:
+            with Archive(path):  # refuses what would be larger than memory
+                pass
+            with np.load(path, allow_pickle=False) as file:
+                arrays = {name: file[name] for name in file.files}
+            about = json.loads(arrays.pop("about").tobytes())
+            k = about.pop("k")
+            if about.pop("format") != _FORMAT or not isinstance(k, int) or k < 0:
+                raise ValueError
+            return cls(path, k, about, arrays)
+        except OSError as error:
+            raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
+        except AdcsError as error:
+            if str(error).startswith("cannot open"):
+                raise
+            raise AdcsError(f"{path} is not a checkpoint of this program") from error
+        except Exception:  # numpy and zipfile let many kinds out
+            raise AdcsError(f"{path} is not a checkpoint of this program") from None
+
+    def apply(self, simulation: Session) -> None:
+        """Take a simulation that was just initialised to the point; AdcsError if it is of another system."""
+        for key, here in _about(simulation).items():
+            there = self.about.get(key)
+            if here != there:
+                raise AdcsError(f"{self.path} is of another run: {key} is {_difference(there, here)}")
+        if not aligned(simulation, self.k):
+            raise not_aligned(simulation, self.k)
+        states = [f"state_{i}" for i in range(len(simulation.instances))]
+        rings = {f"ring_{i}": ring.values.shape for i, ring in enumerate(simulation.rings)}
+        expected = {
+            name: (shape, np.float64) for name, shape in (("signals", simulation.signals.shape), *rings.items())
+        }
+        fits = all(
+            name in self.arrays and self.arrays[name].shape == shape and self.arrays[name].dtype == kind
+            for name, (shape, kind) in expected.items()
+        )
+        if not fits or not all(name in self.arrays and self.arrays[name].dtype == np.uint8 for name in states):
+            raise AdcsError(f"{self.path} is not complete, or of another run")
+        simulation.k = self.k
+        simulation.signals[:] = self.arrays["signals"]
+        for i, ring in enumerate(simulation.rings):
+            ring.values[:] = self.arrays[f"ring_{i}"]
+        for i, instance in enumerate(simulation.instances.values()):
+            try:
+                state = instance.deserialize(self.arrays[f"state_{i}"].tobytes())
+            except (ValueError, TypeError, KeyError, OverflowError):  # what is kept of clocks and events
+                raise AdcsError(f"{self.path}: the saved state of {instance.name} is damaged") from None
+            instance.restore(state)
+            instance.free(state)
+
+
+def write(simulation: Session, k: int, path: Path) -> None:
+    """Save a simulation at point k, at which all its components communicate.
+
+    All of them are at its time, and what was propagated there is propagated again when it is gone on with.
+    """
+    arrays: dict[str, NDArray[Any]] = {
+        "about": np.frombuffer(json.dumps({"format": _FORMAT, "k": k, **_about(simulation)}).encode(), np.uint8),
+        "signals": simulation.signals,
+        **{f"ring_{i}": ring.values for i, ring in enumerate(simulation.rings)},
+    }
+    for i, instance in enumerate(simulation.instances.values()):
+        state = instance.save()
+        arrays[f"state_{i}"] = np.frombuffer(instance.serialize(state), np.uint8)
+        instance.free(state)
+    content = io.BytesIO()
+    np.savez(content, **arrays)  # type: ignore[arg-type]
+    with replacing(path) as name:
+        name.write_bytes(content.getvalue())
+
+
+def check(simulation: Session) -> None:
+    """Refuse by name what cannot be saved, before the run."""
+    for instance in simulation.instances.values():
+        if not instance.can_serialize:
+            raise AdcsError(
+                f"{instance.name} ({instance.fmu.path.name}) cannot save its state to a file: a checkpoint needs "
+                "canGetAndSetFMUstate and canSerializeFMUstate"
+            )
+
+
+def aligned(simulation: Session, k: int) -> bool:
+    """Whether all components communicate at point k."""
+    return all(k % component.every == 0 for component in simulation.system.components.values())
+
+
+def not_aligned(simulation: Session, k: int) -> AdcsError:
+    """Put into words that a checkpoint is not possible at point k."""
+    name, every = next((c.name, c.every) for c in simulation.system.components.values() if k % c.every)
+    time = simulation.start + k * simulation.step
+    return AdcsError(f"no checkpoint at t = {time:.9g} s: {name} communicates at every {every} steps, and not then")
+
+
+def _about(simulation: Session) -> dict[str, Any]:
+    connections = [
+        [c.source, c.target, c.factor, c.offset, [list(pair) for pair in c.mapping], c.delay_steps, c.delay]
+        for c in simulation.system.connections
+    ]
+    components = simulation.system.components.values()
+    return {
+        "start time": simulation.start,
+        "step": simulation.step,
+        "FMUs": {name: instance.fmu.sha256 for name, instance in simulation.instances.items()},
+        "connections": connections,
+        "start values": {c.name: {n: repr(v) for n, v in sorted(c.start.items())} for c in components},
+        "rates": {c.name: c.every for c in components},
+        "recorded variables": list(simulation.recording.ports),
+        "inputs from outside": list(simulation.external),
+    }
+
+
+def _difference(there: Any, here: Any) -> str:
+    if isinstance(here, (dict, list)):
+        return "not the same"
+    return f"{there} there, {here} here"

@@ -1,0 +1,350 @@
+"""A co-simulation that is under way: where it is, what goes on in it, how to change it, save it and go back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from math import inf, isfinite
+from typing import Any, Literal
+
+import numpy as np
+
+from fmus.errors import AdcsError
+from orchestration.engine import Engine
+from orchestration.engine.overstepping import overstepped
+from orchestration.engine.python_loop import PythonLoop
+from orchestration.fmu.file import FmiVersion, Port
+from orchestration.grid import SNAP, Grid, whole_steps
+from orchestration.instances.instance import CallFailed, EndRequested, Instance, failing_at
+from orchestration.plan.loops import Loops, LoopSolver
+from orchestration.plan.lowering import Floats, make_plan
+from orchestration.plan.opening import initialised
+from orchestration.plan.propagation import Ring, depends_on, gets_of
+from orchestration.process.guard import Guard
+from orchestration.process.where import Where
+from orchestration.results.result import Recording
+from orchestration.system import Connection, System, Value, checked_value
+
+Stepping = Literal["compiled", "python"]
+
+ENDLESS = 2**53
+"""Number of steps of a co-simulation without an end."""
+
+
+@dataclass
+class Snapshot:
+    """Everything that a co-simulation remembers, to go back to in the same session."""
+
+    k: int
+    signals: Floats
+    rings: tuple[Floats, ...]
+    states: Mapping[str, Any]
+
+
+class Session:
+    """A system in co-simulation, at communication point `k` of `last`; a context manager.
+
+        with Session(system, step=0.01) as simulation:
+            for time, values in simulation:
+                simulation.set("controller.k_p", 2.0)
+
+    What is set after a point acts from there on: an input over the following step, and all that depends on it in other
+    components from the next point.
+
+    The components live in this process: one that crashes takes it along. `run(..., isolated=True)` has them in one of
+    their own.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        *,
+        step: float,
+        start_time: float = 0.0,
+        steps: int = ENDLESS,
+        stop_time: float | None = None,
+        fmi_version: FmiVersion = "2.0",
+        stepping: Stepping = "compiled",
+        record: Sequence[str] | None = None,
+        record_every: int = 1,
+        external: Sequence[str] = (),
+        may_go_on: bool = False,
+        solver: LoopSolver | None = None,
+        where: Where | None = None,
+        guard: Guard | None = None,
+    ) -> None:
+        """`record` names the variables of a row (None: all outputs); `external` inputs whose values come with steps.
+
+        `stop_time` is the time of the last point, if the step to it is shorter than the others. The FMUs are told a
+        stop time that is beyond it by roundings, unless it `may_go_on` after it.
+        """
+        if not (isfinite(step) and step > 0 and isfinite(start_time)):
+            raise AdcsError(f"step = {step} s, start_time = {start_time} s: expected finite times, the step positive")
+        self.grid = Grid(start_time, step, steps, stop_time)
+        if stop_time is not None and not 0 < self.grid.shorter <= (1 + SNAP) * step:
+            begin, end = start_time + (steps - 1) * step, start_time + steps * step
+            raise AdcsError(
+                f"stop_time = {stop_time} s: step {steps} ends after {begin:g} and at {end:g} s at the latest"
+            )
+        self.system, self.start, self.step, self.last = system, start_time, step, steps
+        self.recording = Recording(system, record)
+        self.ended: EndRequested | None = None
+        """The wish of a component to end the simulation, once it has come about: nothing comes after that."""
+        self._shortened = False
+        bound = inf if may_go_on or steps == ENDLESS else self.grid.bound
+        with ExitStack() as stack:
+            opened = initialised(
+                system,
+                "co-simulation",
+                start_time,
+                bound,
+                fmi_version,
+                external=external,
+                solver=solver,
+                where=where,
+                guard=guard,
+            )
+            self.instances: dict[str, Instance] = stack.enter_context(opened)
+            components = system.components.values()
+            self._plan = make_plan(
+                {name: instance.fmu for name, instance in self.instances.items()},
+                [_in_steps(c, step) for c in system.connections],
+                self.recording.names,
+                external=external,
+                starts={c.name: c.start for c in components},
+                every={c.name: c.every for c in components},
+                solve_loops=solver is not None,
+            )
+            self._gets = gets_of(self._plan)
+            self._shown: dict[str, bool] = {}
+            self.external = tuple(external)
+            self.rings = tuple(Ring.filled(delay, self._plan.signals) for delay in self._plan.delays)
+            self._loops = Loops(self._plan, self.instances, solver or LoopSolver())
+            make = Engine if stepping == "compiled" else PythonLoop
+            self.loop: Engine | PythonLoop = make(
+                self._plan,
+                self.instances,
+                rings=self.rings,
+                record_every=record_every,
+                solve=self._loops.solve,
+                where=where,
+            )
+            self._guard = guard
+            self.k = 0
+            self._stack = stack.pop_all()
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self._stack.__exit__(*error)
+
+    def __iter__(self) -> Iterator[tuple[float, dict[str, Floats]]]:
+        """Yield (t_k, values by name) at every communication point, before stepping on from it."""
+        while True:
+            self.propagate()
+            yield self.time, self.values
+            if self.k >= self.last or self.ended is not None:
+                return
+            try:
+                self.move_on()
+            except EndRequested:
+                return
+
+    @property
+    def time(self) -> float:
+        """The time of the present point [s]."""
+        return self.grid.time(self.k)
+
+    @property
+    def values(self) -> dict[str, Floats]:
+        """The recorded variables as they were last propagated, by name."""
+        ports = self.recording.ports
+        if not ports:
+            return {}
+        parts = np.split(self.row, np.cumsum([port.size for port in ports.values()])[:-1])
+        return {name: part.reshape(port.shape) for (name, port), part in zip(ports.items(), parts, strict=True)}
+
+    @property
+    def row(self) -> Floats:
+        """The recorded variables as they were last propagated, side by side."""
+        row: Floats = self.signals[self._plan.row]
+        return row
+
+    @property
+    def signals(self) -> Floats:
+        """All values on their way between components; a buffer that is written on."""
+        return self._plan.signals
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the FMUs warned of, and what they changed that was not theirs."""
+        told = [f"{i.name}: {text}" for i in self.instances.values() for text in i.warnings]
+        return told + overstepped(self.instances, self._guard, [self.loop])
+
+    def check(self) -> None:
+        """Look at what components may have changed of the process, if one was not built here."""
+        if self._guard is not None and not all(i.ours for i in self.instances.values()):
+            self._guard.check()
+
+    @property
+    def loop_reports(self) -> list[dict[str, Any]]:
+        """What solving each algebraic loop took."""
+        return self._loops.reports
+
+    @property
+    def n_external(self) -> int:
+        """Number of values that come from outside at each point."""
+        return self._plan.n_external
+
+    def propagate(self) -> None:
+        """Fetch all outputs and hand them on, at the present point; see whether a component ends the simulation."""
+        if self.k > self.grid.full:
+            self._propagate_off_grid()
+        else:
+            self.loop.propagate(self.k, self.time)
+        self.see_end()
+
+    def move_on(self) -> None:
+        """Step all components to the next point. EndRequested if a component ends the simulation on the way."""
+        try:
+            if self.k == self.grid.full and self.grid.shorter:
+                self.shorter_step()
+            else:
+                with failing_at(self.time):
+                    self.loop.move_on(self.k, self.grid.full, self.time, self.step)
+                self.k += 1
+        except EndRequested as end:
+            self.ended = end
+            raise
+
+    def advance(
+        self, count: int, external: Floats | None, rows: Floats, *, stay: bool = False
+    ) -> tuple[int, int, CallFailed | None]:
+        """Take `count` points from the present one on, recorded in `rows`, as the loop's `steps`.
+
+        With `stay` no component is stepped on from the last of them; `leave` does that. The last point, if the step to
+        it is shorter, is for a call of its own, after `shorter_step`.
+        """
+        if self.k <= self.grid.full:
+            last = self.k + count - 1 if stay else self.grid.full
+            return self.loop.steps(self.start, self.step, self.k, count, last, external, rows)
+        if external is not None:
+            self.signals[: self.n_external] = external[0]
+        try:
+            with failing_at(self.time):
+                self._propagate_off_grid()
+        except CallFailed as failed:
+            return self.k, 0, failed
+        rows[0] = self.row
+        self.see_end()
+        return self.k + 1, 1, self.ended
+
+    def leave(self) -> None:
+        """After `advance` with `stay`: go on to the next point, by a step if it is not a shorter one."""
+        if self.k < self.grid.full:
+            self.move_on()
+        else:
+            self.k += 1
+
+    def shorter_step(self) -> None:
+        """From the last point of the grid, step to the end those components that communicate at every point."""
+        full, held = self.grid.full, [self.signals[ring.delay.target].copy() for ring in self.rings]
+        with failing_at(self.grid.time(full)):
+            self.loop.move_on(full, full + 1, self.grid.time(full), self.grid.shorter)
+        # what is delayed arrives at points of the grid only, and until then what arrived last holds
+        for ring, values in zip(self.rings, held, strict=True):
+            ring.values[:] = values
+        self.k, self._shortened = self.last, True
+
+    @property
+    def shorter_due(self) -> bool:
+        """Whether the point that comes next is the last one, and the shorter step to it has not been taken."""
+        return self.k > self.grid.full and self.k == self.last and not self._shortened
+
+    def _propagate_off_grid(self) -> None:
+        """Propagate at the end of a shorter step, where components that communicate at some points only do not."""
+        self.loop.propagate(1, self.time)
+
+    def see_end(self) -> None:
+        """See whether a component ends the simulation at the present point, which was propagated."""
+        end = self.loop.ending(self.k)
+        if end is not None and self.ended is None:
+            end.time = self.time
+            self.ended = end
+
+    def set(self, name: str, value: Value) -> None:
+        """Set an input that nothing feeds, or a tunable parameter, at the present point."""
+        component, port, values = self.check_change(name, value)
+        with failing_at(self.time):
+            instance = self.instances[component]
+            instance.change(self.k, instance.fmu.ports[port.name], values)  # whose FMI version may be another
+
+    def shows(self, name: str) -> bool:
+        """Whether what is set in a variable may show in what is fetched at the same point.
+
+        That is said of inputs only: of those on which, by the FMU's ModelStructure, nothing depends that is fetched. In
+        event mode of FMI 3.0 values are set first.
+        """
+        if name not in self._shown:
+            component, port = self.system.port(name)
+            fmu, gets = self.instances[component].fmu, [call for call in self._gets if call.component == component]
+            late = port.causality == "input" and self.instances[component].in_step_mode
+            self._shown[name] = not late or any(
+                depends_on(fmu, get, fmu.nodes.of(fmu.ports[port.name])) for get in gets
+            )
+        return self._shown[name]
+
+    def check_change(self, name: str, value: Value) -> tuple[str, Port, tuple[Any, ...]]:
+        """Return component, port and flat value of a variable that may be set during a run; refuse any other."""
+        component, port = self.system.port(name)
+        if name.partition(".")[2] != port.name:
+            raise AdcsError(f"{name} is one element: give all values of {component}.{port.name}")
+        if port.causality == "input":
+            places = self.system.places(name)
+            outside = next((n for n in self.external if places & self.system.places(n)), None)
+            if outside is not None:
+                raise AdcsError(f"{name} gets its values from a table: it cannot be set during a run")
+            fed = next((c for c in self.system.connections if places & self.system.places(c.target)), None)
+            if fed is not None:
+                raise AdcsError(f"{name} is connected to {fed.source}: it cannot be set during a run")
+        elif not (port.causality == "parameter" and port.variability == "tunable"):
+            raise AdcsError(
+                f"{name} cannot be set during a run: it is {self.system.components[component].fmu.called(port)}, only "
+                "inputs and tunable parameters can"
+            )
+        return component, port, checked_value(name, port, value)
+
+    def save(self) -> Snapshot:
+        """Return a copy of all that is remembered at the present point; to be freed."""
+        for instance in self.instances.values():
+            if not instance.can_save:
+                raise AdcsError(f"{instance.name} ({instance.fmu.path.name}) cannot save its state")
+        states = {name: instance.save() for name, instance in self.instances.items()}
+        return Snapshot(self.k, self._plan.signals.copy(), tuple(r.values.copy() for r in self.rings), states)
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go back to a snapshot."""
+        self.k, self.ended, self._shortened = snapshot.k, None, False
+        for instance in self.instances.values():
+            instance.wants_end = False
+        self.loop.forget_end()
+        self._plan.signals[:] = snapshot.signals
+        for ring, values in zip(self.rings, snapshot.rings, strict=True):
+            ring.values[:] = values
+        for name, state in snapshot.states.items():
+            self.instances[name].restore(state)
+
+    def free(self, snapshot: Snapshot) -> None:
+        """Give back the memory of a snapshot."""
+        for name, state in snapshot.states.items():
+            self.instances[name].free(state)
+
+
+def _in_steps(connection: Connection, step: float) -> Connection:
+    """The connection with its delay in steps."""
+    if not connection.delay:
+        return connection
+    steps = whole_steps(connection.delay, step, f"the delay of {connection.target}", none=True)
+    return replace(connection, delay_steps=steps, delay=0.0)

@@ -65,6 +65,7 @@ class _Run:
         """Wait for its end, and see to what it has left undone."""
         code = self._process.wait()
         done = self._read("done")
+        print(self._read("said") or "", end="", flush=True)
         if done is not None:
             return int(done)
         with suppress(OSError):

@@ -15,6 +15,7 @@ from rich.table import Table
 
 from adcs import Session, run
 from benchmarks import loop
+from orchestration.grid import Grid
 from orchestration.isolation.journal import Journal
 
 _SLICE = 2000  # steps: short enough that many are not interrupted
@@ -34,7 +35,7 @@ def step_in_journal() -> float:
         journal = Journal(Path(folder) / "run.journal")
         recording = journal.record(loop.system(), None)
         rows = _SLICE * _SLICES
-        journal.begin(loop.system(), np.arange(rows, dtype=np.float64), {})
+        journal.begin(loop.system(), Grid(0.0, 1.0, rows - 1), {})
         with Session(loop.system(), step=loop.STEP, where=journal.where) as simulation:
             taken = _fastest(simulation, recording.room(rows))
         journal.close(remove=True)

@@ -106,18 +106,22 @@ class Grid:
         """All points, (steps+1,)."""
         return self.rows(0, 1)
 
-    def rows(self, first: int, every: int) -> NDArray[np.float64]:
-        """The times of the rows from point `first` on: of every `every`-th point, and of a shorter last step."""
+    def count(self, first: int, every: int) -> int:
+        """How many rows there are from point `first` on: of every `every`-th point, and of a shorter last step."""
+        return self.full // every - -(-first // every) + 1 + (self.stop is not None)
+
+    def rows(self, first: int, every: int, most: int = _MOST_STEPS) -> NDArray[np.float64]:
+        """The times of these rows, or of the first of them."""
         begin = -(-first // every) * every
         try:
-            k = np.arange(begin, self.full + 1, every, dtype=np.float64)
+            k = np.arange(begin, min(self.full + 1, begin + most * every), every, dtype=np.float64)
         except (MemoryError, ValueError):  # of what can be addressed
             raise AdcsError(
                 f"{(self.full - begin) // every + 1} rows do not fit into memory: record not every step, or take "
                 "longer ones"
             ) from None
         times: NDArray[np.float64] = self.start + k * self.step
-        return times if self.stop is None else np.append(times, self.stop)
+        return times if self.stop is None or len(times) == most else np.append(times, self.stop)
 
     def _tolerance(self, ratio: float) -> float:
         """How far (in steps) a time may be off a point: what writing it in decimals costs, and resolution of time."""

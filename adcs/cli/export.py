@@ -18,6 +18,9 @@ def export_command(
     system: Annotated[str, typer.Argument(help="A system as in `adcs list`, or an .ssp file (or FILE.ssp#NAME.ssd).")],
     file: Annotated[Path | None, typer.Argument(help="The file to write. [default: SYSTEM.ssp]")] = None,
     ssp: Annotated[bool, typer.Option("--ssp", help="The format, and the only one so far.", show_default=False)] = True,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="The file, where it is no argument.", show_default=False)
+    ] = None,
     fmi: Annotated[
         Literal["2", "3"] | None, typer.Option(help="FMI version of the components. [default: 2]", show_default=False)
     ] = None,
@@ -40,7 +43,7 @@ def export_command(
 
     start_time = 0.0
     if is_ssp(system):
-        if file is None:
+        if file is None and out is None:
             raise AdcsError(f"say where to: adcs export {system} --ssp FILE.ssp")
         if fmi is not None:
             raise AdcsError(f"--fmi {fmi}: the FMUs in {system} stay as they are: leave it out")
@@ -52,9 +55,13 @@ def export_command(
         built, stop_time, exchange = entry.build(), entry.stop_time, entry.step
     else:
         raise AdcsError(f"no system {system!r}: choose one of {', '.join(SYSTEMS)}, or give an .ssp file")
-    target = file or Path(f"{system}.ssp")
+    if file is not None and out is not None:
+        raise AdcsError(f"--out {out}: the file is given as {file} already, leave one out")
+    target = out or file or Path(f"{system}.ssp")
     if target.suffix != ".ssp":
         raise AdcsError(f"{target} does not end in .ssp: write adcs export SYSTEM --ssp FILE.ssp")
+    if target.is_dir():
+        raise AdcsError(f"{target} is a folder: give the name of a file in it")
     assign(built, set_ or [])
     write_ssp(
         built,

@@ -20,6 +20,7 @@ from hil_bridge.hil.flying import check, fly
 from hil_bridge.hil.link import PORT, Server
 from hil_bridge.hil.lockstep import Flight, Terms
 from hil_bridge.hil.wiring import Wiring
+from orchestration.process.writing import make_folder
 from orchestration.results.result import Result, RunFailed, RunInterrupted
 
 _LINE, _TERMS, _SIGNALS, _RESULTS = "Connection", "Time", "What it sees and moves", "Results"
@@ -127,7 +128,7 @@ def hil(
     effect = Actuators.from_csv(actuators) if actuators else Actuators.by_axis(_numbers(max_torque))
     terms = Terms(not free_running, timeout, warm_up, speed, frame, epoch, not no_truth, not no_star_tracker)
     folder = out or Path("results") / entry.name
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder, f"--out {folder}")
     stop = entry.stop_time if stop is None else stop
     step = entry.step if step is None else step
     check(built, stop_time=stop, step=step)  # before anybody waits for anybody

@@ -61,9 +61,14 @@ def linearize(
     """Linearise a component or a closed loop: matrices A, B, C, D, and eigenvalues with frequency and damping."""
     from adcs.cli.words import assign
     from orchestration.linear.linearization import linearize as linearize_
+    from orchestration.process.writing import make_folder
 
     if out is not None and out.suffix not in (".mat", ".json"):
         raise AdcsError(f"--out {out}: give a name that ends in .mat or .json")
+    if out is not None and out.is_dir():
+        raise AdcsError(f"--out {out}: it is a folder: give the name of a file in it")
+    if out is not None:
+        make_folder(out.parent, f"--out {out}")
     built, alone = _find(system)
     assign(built, set_ or [], alone)
     found = linearize_(

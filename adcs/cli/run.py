@@ -22,6 +22,7 @@ from orchestration.from_file import from_anywhere
 from orchestration.isolation import supervised
 from orchestration.plan.loops import LoopMethod, LoopSolver
 from orchestration.process import endings
+from orchestration.process.writing import make_folder
 from orchestration.results.result import RunFailed, RunInterrupted
 from orchestration.running.accuracy import Estimate, estimate_error
 from orchestration.running.run import run as run_system
@@ -252,13 +253,13 @@ def run(
     formats = _formats(format_)
     given = out or Path("results") / entry.name
     folder = given.absolute()  # a component may change the working directory
-    folder.mkdir(parents=True, exist_ok=True)  # refused now, rather than after the run
+    make_folder(given, f"--out {given}")  # refused now, rather than after the run
     no_report = no_report or (record is not None and formats == ["hdf5"])  # whose file holds what is recorded
     if estimate and method != "co-simulation":
         raise AdcsError("--estimate-error is a matter of co-simulation: model-exchange has no exchange step")
     if checkpoint is not None:
+        make_folder(checkpoint.parent, f"--checkpoint {checkpoint}")
         checkpoint = checkpoint.absolute()
-        checkpoint.parent.mkdir(parents=True, exist_ok=True)  # refused now, rather than after the run
     wanted = record if no_report else _with_outputs(built, record)  # the report needs more than what is written
     settings: dict[str, Any] = {
         "start_time": entry.start_time if start is None else start,

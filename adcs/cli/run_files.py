@@ -12,9 +12,11 @@ from typing import Any
 from adcs.cli.showing import Format, write_files
 from fmus.errors import AdcsError
 from orchestration.isolation import supervised
+from orchestration.isolation.death import reason
 from orchestration.isolation.folder import MANIFEST, ResultsFolder
 from orchestration.isolation.journal import Journal
 from orchestration.process import endings
+from orchestration.process.guard import explained
 from orchestration.results import hdf5
 from orchestration.results.result import Result
 
@@ -51,14 +53,17 @@ class RunFiles:
     ) -> None:
         if self._manifest is not None and not self._written and isinstance(error, AdcsError):
             rows = 0 if self.journal.recording is None else self.journal.recording.filled
+            told = self._manifest.get("outcome", {})
             outcome = {"status": "failed", "message": str(error), "rows": rows}
+            if told.get("status") == "failed":  # the run itself, and why it did matters more than what came of that
+                outcome = told
             with suppress(AdcsError):
                 self._result_of({**self._manifest, "outcome": outcome}).write_manifest(self.folder / MANIFEST)
             self.journal.close(remove=rows == 0)
         self._results.__exit__(kind, error, trace)
 
     def write(self, result: Result, stopped: bool) -> list[Path]:
-        """Write the files; AdcsError says where the rows are, should one of them fail."""
+        """Write the files; should one of them fail, AdcsError says where the rows are, and why the run ended before."""
         try:
             with endings.patient():
                 files = write_files(result, self.folder, self._formats)
@@ -66,7 +71,10 @@ class RunFiles:
             kept = f"{len(result.time)} rows are kept in {self.folder}: `adcs recover {self.folder}` writes them"
             raise AdcsError(f"interrupted while the files were written; {kept}") from error
         except AdcsError as error:
-            raise AdcsError(f"{error}; {kept_in(self.folder, len(result.time))}") from error
+            outcome = result.manifest["outcome"]
+            why = f"{reason(outcome)}; " if outcome["status"] == "failed" else ""
+            text = explained(error, result.manifest["warnings"])
+            raise AdcsError(f"{why}{text}; {kept_in(self.folder, len(result.time))}") from error
         self._written = True
         self.journal.close(remove=True)
         if not stopped:

@@ -17,6 +17,7 @@ from adcs.catalogue import STUDIES
 from adcs.library.entry import StudyEntry
 from adcs.library.outcome import Outcome, Row, as_json, manifest_of, write_csv
 from fmus.errors import AdcsError
+from orchestration.process.writing import make_folder
 from orchestration.results import plots, report
 
 app = typer.Typer()
@@ -42,7 +43,7 @@ def study(
         raise AdcsError(f"no study {name!r}: choose one of {', '.join(STUDIES)}")
     choices = with_changes(entry.choices(), set_ or [])
     folder = out or Path("results") / f"study-{name}"
-    folder.mkdir(parents=True, exist_ok=True)  # refused now, rather than after a minute of work
+    make_folder(folder, f"--out {folder}")  # refused now, rather than after a minute of work
     progress = Progress(
         TextColumn("{task.description:<44}"),
         BarColumn(),

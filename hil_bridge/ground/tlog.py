@@ -12,6 +12,7 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from fmus.errors import AdcsError
 from hil_bridge.wire import microseconds
+from orchestration.process.writing import make_folder
 
 _MAGIC = {0xFE: (6, 2), 0xFD: (10, 2)}  # header and checksum
 _SIGNED, _SIGNATURE = 0x01, 13
@@ -26,8 +27,8 @@ class TlogWriter:
 
     def __init__(self, path: Path) -> None:
         self.path, self.trouble = path, ""
+        make_folder(path.parent, f"cannot write {path}")
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
             self._file = path.open("wb")
         except OSError as error:
             raise AdcsError(f"cannot write {path}: {error.strerror}") from None

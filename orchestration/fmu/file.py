@@ -365,17 +365,17 @@ def element_names(name: str, shape: tuple[int, ...]) -> list[str]:
 @contextmanager
 def extracted(fmu: Fmu, kind: Kind) -> Iterator[tuple[Path, Path]]:
     """Extract an FMU into a temporary folder that is removed at the end; yields the folder and the binary in it."""
-    with Archive(fmu.path) as archive:
-        names = archive.names
-        found = [binary for binary in fmu.binaries(kind) if str(binary) in names]
-        if not found:
-            raise Unsupported(
-                f"{fmu.path.name} has no binary for this platform ({fmu.binaries(kind)[0]} is missing, it has: "
-                f"{', '.join(_platforms(names)) or 'none'}): build it for this platform"
-            )
-        with temporary_folder("fmu") as folder:
+    with temporary_folder("fmu") as folder:
+        with Archive(fmu.path) as archive:
+            names = archive.names
+            found = [binary for binary in fmu.binaries(kind) if str(binary) in names]
+            if not found:
+                raise Unsupported(
+                    f"{fmu.path.name} has no binary for this platform ({fmu.binaries(kind)[0]} is missing, it has: "
+                    f"{', '.join(_platforms(names)) or 'none'}): build it for this platform"
+                )
             archive.extract(folder, [n for n in names if not n.startswith(_NOT_FOR_RUNNING)])
-            yield folder, folder / found[0]
+        yield folder, folder / found[0]
 
 
 def _unite(model: ModelDescription, extras: Extras) -> tuple[dict[str, Port], dict[str, tuple[str, int]]]:

@@ -19,8 +19,9 @@ import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration.isolation import journal
-from orchestration.isolation.death import found
+from orchestration.isolation.death import found, reason
 from orchestration.process.temporary import temporary_folder
+from orchestration.results import hdf5
 from orchestration.results.hdf5 import FileResult
 from orchestration.results.result import Result, RunFailed, RunInterrupted
 
@@ -36,6 +37,8 @@ def run_apart(asked: Mapping[str, Any]) -> Result:
         raise AdcsError("watchers: they are part of this process, and cannot take part in an isolated run")
     if asked["journal"] is not None:
         raise AdcsError("journal: an isolated run has one of its own")
+    if asked["hdf5"] is not None:
+        hdf5.check(Path(asked["hdf5"]), {})
     for name, value in settings.items():
         try:
             pickle.dumps(value)
@@ -46,9 +49,7 @@ def run_apart(asked: Mapping[str, Any]) -> Result:
         code = _serve(place, asked["progress"])
         result, failed = _answer(asked, place, code)
     if asked["hdf5"] is not None:
-        result = _to_file(result, Path(asked["hdf5"]))
-        if failed is not None:
-            failed.result = result
+        result, failed = _to_file(result, Path(asked["hdf5"]), failed)
     if failed is not None:
         raise failed
     return result
@@ -117,8 +118,25 @@ def _detached(result: Result) -> Result:
     return result
 
 
-def _to_file(result: Result, path: Path) -> FileResult:
-    result.write_hdf5(path)
+def _to_file(
+    result: Result, path: Path, failed: RunFailed | RunInterrupted | None
+) -> tuple[Result, RunFailed | RunInterrupted | None]:
+    """Return the result with its values in a file, and what is to be raised; without room they stay in memory."""
+    try:
+        result.write_hdf5(path)
+    except AdcsError as error:
+        outcome, rows = result.manifest["outcome"], len(result.time)
+        if isinstance(failed, RunInterrupted):
+            result.manifest["warnings"].append(str(error))
+            return result, failed
+        why = "" if failed is None else f"{reason(outcome)}; "
+        if failed is None:
+            last = float(result.time[-1]) if rows else result.manifest["settings"]["start_time"]
+            outcome = {"status": "failed", "component": None, "time": last, "message": str(error), "rows": rows}
+            result.manifest["outcome"] = outcome
+        return result, RunFailed(f"{why}{error}; {rows} rows are kept", result)
     written = FileResult(result.system, np.array(result.time), result.data[:0], result.ports, result.manifest)
     written.path = path
-    return written
+    if failed is not None:
+        failed.result = written
+    return written, failed

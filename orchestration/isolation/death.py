@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -39,7 +40,14 @@ class Found:
     @property
     def message(self) -> str:
         """What to say of it, if it failed."""
-        return f"{self.failed}; {len(self.result.time)} rows are kept"
+        return f"{reason(self.result.manifest['outcome'])}; {len(self.result.time)} rows are kept"
+
+
+def reason(outcome: Mapping[str, Any]) -> str:
+    """Say why a run failed, of which this is the outcome."""
+    failed = CallFailed(outcome["component"] or "", outcome["message"])
+    failed.time = outcome["time"]
+    return str(failed) if failed.component else failed.text
 
 
 def found(path: Path, code: int | None, hung: float | None = None) -> Found:
@@ -51,7 +59,10 @@ def found(path: Path, code: int | None, hung: float | None = None) -> Found:
     about = manifest["system"]
     system = System(about["name"], about["description"])
     failed = failure(kept, code)
-    if hung is not None:
+    if kept.failure:  # before the process ended, which is no news then
+        failed = CallFailed(kept.failure["component"] or "", kept.failure["message"])
+        failed.time = kept.failure["time"]
+    elif hung is not None:
         failed.text = f"{kept.where.now[2] or 'it'} did not return within {hung:.3g} s, and its process was ended"
     rows = len(kept.times)
     if kept.where.place.finished:
@@ -60,7 +71,7 @@ def found(path: Path, code: int | None, hung: float | None = None) -> Found:
     else:
         manifest["outcome"] = {
             "status": "failed",
-            "component": failed.component,
+            "component": failed.component or None,
             "time": failed.time,
             "message": failed.text,
             "rows": rows,

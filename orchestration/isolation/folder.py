@@ -11,6 +11,7 @@ from types import TracebackType
 from fmus.errors import AdcsError
 from orchestration.isolation import journal
 from orchestration.process.lock import Lock
+from orchestration.process.writing import make_folder
 
 MANIFEST = "manifest.json"
 RESULTS = ("result.csv", "result.mat", "result.h5", MANIFEST, "report.html", "report.png", journal.NAME)
@@ -30,8 +31,8 @@ class ResultsFolder:
         self._lock = Lock(self.path / _LOCK)
 
     def __enter__(self) -> ResultsFolder:
+        make_folder(self.path, f"cannot write to {self.path}")
         try:
-            self.path.mkdir(parents=True, exist_ok=True)
             taken = self._lock.take()
         except OSError as error:
             raise AdcsError(f"cannot write to {self.path}: {error.strerror}") from error

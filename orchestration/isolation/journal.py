@@ -1,11 +1,13 @@
 """The journal of a run: its rows, and where it is, in a file that is mapped into memory and outlives the process.
 
-    0      magic, six numbers (`_Head`)
+    0      magic, five numbers (`_Head`)
     64     where the run is (`Place`)
-    4096   what the run is, as JSON
-    then   times, rows, both page by page; notes on how it ended, as JSON
+    1024   why it failed (`_Failure`): room that is there on a full disk, too
+    4096   what the run is, as JSON, and the grid of its times
+    then   rows; notes on how it ended, as JSON
 
-Disk space is taken before it is written to: in a mapped file a full disk would end the process.
+Disk space is taken before it is written to: in a mapped file a full disk would end the process. That for the notes is
+taken first; a run that fails has none to make, and gives it back for its manifest.
 """
 
 from __future__ import annotations
@@ -15,38 +17,45 @@ import errno
 import json
 import mmap
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, shown
 from orchestration.fmu.file import Port
+from orchestration.grid import Grid
 from orchestration.plan.lowering import Floats
+from orchestration.process.own_file import OwnFile
 from orchestration.process.where import Place, Where
 from orchestration.results.result import Recording
 from orchestration.system import System
 
 NAME = "run.journal"
-_MAGIC = b"adcs-journal-1\n\0"
-_PLACE, _ABOUT = 64, 4096  # where they begin
-_PAGE = 65536  # a multiple of the page size of every platform
+_MAGIC = b"adcs-journal-2\n\0"
+_PLACE, _FAILURE, _ABOUT = 64, 1024, 4096  # where they begin
+_PAGE = 4096
 _PIECE = 2**26  # bytes, that are taken from the disk at once
+_MORE = 4096  # bytes, by which the notes may be longer than what the run is
 
 
 class _Head(ctypes.LittleEndianStructure):
     _fields_ = (
         ("magic", ctypes.c_char * 16),
         ("about", ctypes.c_uint64),  # size
-        ("times", ctypes.c_uint64),  # where they begin
         ("rows", ctypes.c_uint64),  # where they begin
         ("width", ctypes.c_uint64),  # of a row
         ("capacity", ctypes.c_uint64),  # in rows
         ("notes", ctypes.c_uint64),  # size; they begin after the last row there is room for
     )
+
+
+class _Failure(ctypes.LittleEndianStructure):
+    _fields_ = (("size", ctypes.c_uint64), ("text", ctypes.c_char * (_ABOUT - _FAILURE - 8)))
 
 
 class Journal:
@@ -68,7 +77,7 @@ class Journal:
         self.where = Where()
         self.recording: JournalRecording | None = None
         self._about = about or {}
-        self._file = -1
+        self._file: OwnFile | None = None
         self._taken = 0
 
     def record(self, system: System, record: Sequence[str] | None) -> JournalRecording:
@@ -76,8 +85,8 @@ class Journal:
         self.recording = JournalRecording(system, record, self)
         return self.recording
 
-    def begin(self, system: System, times: Floats, manifest: dict[str, Any]) -> None:
-        """Make the file, for a row at each of these times (s)."""
+    def begin(self, system: System, grid: Grid, manifest: dict[str, Any], first: int = 0, every: int = 1) -> None:
+        """Make the file, for a row at every `every`-th point of a grid from point `first` on."""
         assert self.recording is not None
         self._prepare(manifest)
         about = {
@@ -85,87 +94,109 @@ class Journal:
             "pid": os.getpid(),
             "manifest": manifest,
             "components": list(system.components),
+            "grid": astuple(grid),
+            "points": [first, every],
             "ports": [[name, _port_to_json(port)] for name, port in self.recording.ports.items()],
         }
         text = json.dumps(about).encode()
-        times_at = _pages(_ABOUT + len(text))
-        rows_at = times_at + _pages(times.nbytes)
-        width = self.recording.size
-        self._end = rows_at + _pages(len(times) * width * 8)
+        self._times = partial(grid.rows, first, every)
+        rows, width = grid.count(first, every), self.recording.size
+        self._rows_at, self._row = _pages(_ABOUT + len(text)), width * 8
+        self._end = self._rows_at + _pages(rows * self._row)
         try:
-            flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
-            self._file = os.open(self.path, flags, 0o666)
-            self._take(rows_at)
-            os.ftruncate(self._file, self._end)
-            self._map = mmap.mmap(self._file, self._end)
+            self._file = OwnFile(self.path, os.O_CREAT | os.O_EXCL)
+            self._take(self._rows_at)
+            os.ftruncate(self._file.number, self._end)
+            self._for_notes = len(text) + _MORE
+            try:
+                self._allocate(self._end, self._for_notes)
+            except OSError:  # they are of use, but not needed
+                self._for_notes = 0
+            self._map = mmap.mmap(self._file.number, self._end + self._for_notes)
         except OSError as error:
             self.close()
             raise self._refused(error, "the journal of the run") from error
         self._head = _Head.from_buffer(self._map)
         self._map[_ABOUT : _ABOUT + len(text)] = text
-        np.frombuffer(self._map, np.float64, len(times), times_at)[:] = times
-        self.recording.data = np.frombuffer(self._map, np.float64, len(times) * width, rows_at).reshape(
-            len(times), width
-        )
-        self._rows_at, self._width = rows_at, width
+        self.recording.data = np.frombuffer(self._map, np.float64, rows * width, self._rows_at).reshape(rows, width)
         self.where.names = list(system.components)
         self.where.move(Place.from_buffer(self._map, _PLACE))
-        self._head.about, self._head.times, self._head.rows = len(text), times_at, rows_at
-        self._head.width, self._head.capacity = width, len(times)
+        self._head.about, self._head.rows = len(text), self._rows_at
+        self._head.width, self._head.capacity = width, rows
         self.where.at_finish = lambda: self.note(manifest)
         self._head.magic = _MAGIC
 
     def room(self, rows: int) -> int:
         """How many rows there is disk space for after so many, and at least one: `reserve` says if there is none."""
-        size = self._width * 8
-        if self._rows_at + (rows + 1) * size > self._taken:
+        if self._rows_at + (rows + 1) * self._row > self._taken:
             piece = _PIECE
             while piece >= _PAGE:
                 with suppress(OSError):
-                    self._take(min(max(self._taken, _pages(self._rows_at + rows * size)) + piece, self._end))
+                    self._take(max(self._taken, self._rows_at + rows * self._row) + piece)
                     break
                 piece //= 2
-        return max(1, (self._taken - self._rows_at) // max(size, 1) - rows)
+        return max(1, (self._taken - self._rows_at) // max(self._row, 1) - rows)
 
     def reserve(self, rows: int) -> None:
         """Make sure that there is disk space for so many rows; AdcsError if there is not."""
-        end = self._rows_at + rows * self._width * 8
+        end = self._rows_at + rows * self._row
         if end > self._taken:
             try:
-                self._take(min(_pages(end), self._end))
+                self._take(end)
             except OSError as error:
-                raise self._refused(error, "another row") from error
+                time = self._times((self._taken - self._rows_at) // self._row + 1)[-1]
+                raise self._refused(error, f"another row at t = {time:.9g} s") from error
 
     def note(self, notes: dict[str, Any]) -> None:
         """Note how the run came out, when there is no more to come but its end."""
         text = json.dumps(notes).encode()
-        try:
-            os.lseek(self._file, self._end, os.SEEK_SET)
-            os.write(self._file, text)
-        except OSError:
-            return  # they are of use, but not needed
+        if len(text) <= self._for_notes:
+            self._map[self._end : self._end + len(text)] = text
+        else:
+            try:
+                os.lseek(self._number, self._end, os.SEEK_SET)
+                os.write(self._number, text)
+            except OSError:
+                return
         self._head.notes = len(text)
+
+    def fail(self, outcome: Mapping[str, Any]) -> None:
+        """Note why the run has failed, when there are no more rows to come."""
+        failure = _Failure.from_buffer(self._map, _FAILURE)
+        text = json.dumps({**outcome, "message": shown(outcome["message"], 400)}).encode()
+        if len(text) < _Failure.text.size:
+            failure.text, failure.size = text, len(text)
+        self._for_notes = 0
+        with suppress(OSError):  # of Windows, where a file that is mapped keeps its size
+            os.ftruncate(self._number, self._end)
 
     def close(self, *, remove: bool = False) -> None:
         """Close the file; `remove` it when all that is in it is elsewhere. Rows stay readable in this process."""
-        if self._file >= 0:
-            with suppress(OSError):  # a component may have closed it
-                os.close(self._file)
-            self._file = -1
+        if self._file is not None:
+            self._file.close()
+            self._file = None
         if remove:
             with suppress(PermissionError):  # of Windows, which removes no file that is mapped: the next run does
                 self.path.unlink(missing_ok=True)
 
+    @property
+    def _number(self) -> int:
+        assert self._file is not None
+        return self._file.number
+
     def _take(self, end: int) -> None:
-        """Take the file's disk space up to `end`."""
-        if hasattr(os, "posix_fallocate"):
-            os.posix_fallocate(self._file, self._taken, end - self._taken)
-        else:  # what was never written is only promised
-            os.lseek(self._file, self._taken, os.SEEK_SET)
-            left = end - self._taken
-            while left > 0:
-                left -= os.write(self._file, bytes(min(left, _PIECE)))
+        """Take the file's disk space up to `end`, and to the end of that page: pages of memory are written whole."""
+        end = max(self._taken, min(-(-end // mmap.PAGESIZE) * mmap.PAGESIZE, self._end))
+        self._allocate(self._taken, end - self._taken)
         self._taken = end
+
+    def _allocate(self, first: int, size: int) -> None:
+        if size > 0 and hasattr(os, "posix_fallocate"):
+            os.posix_fallocate(self._number, first, size)
+        elif size > 0:  # what was never written is only promised
+            os.lseek(self._number, first, os.SEEK_SET)
+            while size > 0:
+                size -= os.write(self._number, bytes(min(size, _PIECE)))
 
     def _refused(self, error: OSError, what: str) -> AdcsError:
         if error.errno == errno.EEXIST:
@@ -202,12 +233,19 @@ class Kept:
 
     about: dict[str, Any]
     notes: dict[str, Any]
+    failure: dict[str, Any]
+    """The outcome of a run that had failed before its process ended; empty if it had not."""
     ports: dict[str, Port]
-    times: Floats
     data: Floats
     where: Where
     capacity: int
     """How many rows there were to be."""
+
+    @cached_property
+    def times(self) -> Floats:
+        """Of the rows [s], as their grid has them."""
+        first, every = self.about["points"]
+        return Grid(*self.about["grid"]).rows(first, every, len(self.data))
 
 
 def read(path: Path) -> Kept:
@@ -222,19 +260,20 @@ def read(path: Path) -> Kept:
     head = _Head.from_buffer_copy(content[: ctypes.sizeof(_Head)].tobytes())
     place = Place.from_buffer_copy(content[_PLACE : _PLACE + ctypes.sizeof(Place)].tobytes())
     end = head.rows + _pages(head.capacity * head.width * 8)
-    if not (0 <= place.rows <= head.capacity and head.times + 8 * head.capacity <= head.rows <= end <= size):
+    if not (0 <= place.rows <= head.capacity and head.rows <= end <= size):
         raise AdcsError(f"{path} is not whole: it was cut off, or changed")
     try:
         about = json.loads(content[_ABOUT : _ABOUT + head.about].tobytes())
         notes = json.loads(content[end : end + head.notes].tobytes()) if head.notes else {}
+        failure = _Failure.from_buffer_copy(content[_FAILURE:_ABOUT].tobytes())
+        failed = json.loads(failure.text[: failure.size]) if failure.size else {}
         ports = {name: _port_from_json(name.partition(".")[2], given) for name, given in about["ports"]}
         where = Where(place, about["components"])
     except (ValueError, KeyError, TypeError) as error:
         raise AdcsError(f"{path} is not whole: what it says of its run cannot be read") from error
     n, width = int(place.rows), int(head.width)
-    times = np.frombuffer(content, np.float64, n, head.times)
     data = np.frombuffer(content, np.float64, n * width, head.rows).reshape(n, width)
-    return Kept(about, notes, ports, times, data, where, int(head.capacity))
+    return Kept(about, notes, failed, ports, data, where, int(head.capacity))
 
 
 def _pages(size: int) -> int:

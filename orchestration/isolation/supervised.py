@@ -23,6 +23,8 @@ from orchestration.process.where import Place, Where
 MARK = "ADCS_SUPERVISED"
 _OUT_OF_THE_WAY = 210  # of a component that closes "all" descriptors
 _PULSE = 0.5  # s
+SAID = "said"  # what could not be printed, as a component has closed the standard output; the supervisor prints it
+_APPEND = os.O_RDWR | os.O_CREAT | os.O_APPEND
 _MOST = 2**20  # bytes of what components print that are passed on at once
 
 _folder: Path | None = None
@@ -86,17 +88,19 @@ class _Printed:
     def __init__(self, path: Path) -> None:
         import fcntl
 
-        out = fcntl.fcntl(1, fcntl.F_DUPFD, _OUT_OF_THE_WAY)
-        self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o600)
-        high = fcntl.fcntl(self._file, fcntl.F_DUPFD_CLOEXEC, _OUT_OF_THE_WAY)
-        os.dup2(self._file, 1)
-        os.close(self._file)
-        self._file = high
-        sys.stdout = os.fdopen(out, "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)
+        self._out = fcntl.fcntl(1, fcntl.F_DUPFD, _OUT_OF_THE_WAY)
+        self._path = path
+        file = os.open(path, _APPEND, 0o600)
+        self._file = fcntl.fcntl(file, fcntl.F_DUPFD_CLOEXEC, _OUT_OF_THE_WAY)
+        os.dup2(file, 1)
+        os.close(file)
+        sys.stdout = os.fdopen(self._out, "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)
         self._flush = ctypes.CDLL(None).fflush
 
     def __call__(self) -> bool:
         self._flush(None)
+        _reopen(self._file, self._path)
+        _reopen(self._out, self._path.with_name(SAID))
         with suppress(OSError):
             content = os.pread(self._file, _MOST, 0)
             if content:
@@ -104,3 +108,14 @@ class _Printed:
                 os.write(2, content)
                 return True
         return False
+
+
+def _reopen(number: int, path: Path) -> None:
+    """Open a file under the number of one that a component has closed."""
+    with suppress(OSError):
+        os.fstat(number)
+        return
+    with suppress(OSError):
+        file = os.open(path, _APPEND, 0o600)
+        os.dup2(file, number)
+        os.close(file)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from fmus.errors import AdcsError
 from orchestration.plan.lowering import Floats
+from orchestration.process.writing import replacing
 
 
 @dataclass(frozen=True)
@@ -129,14 +130,15 @@ class StateSpace:
         path = Path(path)
         if path.suffix not in (".mat", ".json"):
             raise AdcsError(f"cannot write {path}: give a name that ends in .mat or .json")
-        path.parent.mkdir(parents=True, exist_ok=True)
         if path.suffix == ".json":
-            path.write_text(json.dumps(self.as_dict(), indent=2) + "\n", encoding="utf-8")
+            with replacing(path) as to:
+                to.write_text(json.dumps(self.as_dict(), indent=2) + "\n", encoding="utf-8")
             return
         content = {name: getattr(self, name) for name in ("A", "B", "C", "D", "x", "u", "y", "dx", "time", "system")}
         for name in ("states", "inputs", "outputs", "notes"):
             content[name] = np.array(getattr(self, name), dtype=object).reshape(-1, 1)  # a cell array
-        scipy.io.savemat(path, {**content, "eigenvalues": self.eigenvalues}, oned_as="column")
+        with replacing(path) as to:
+            scipy.io.savemat(to, {**content, "eigenvalues": self.eigenvalues}, oned_as="column")
 
 
 def _places(kind: str, known: Sequence[str], wanted: Sequence[str] | None) -> list[int]:

@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 
 from fmus.errors import AdcsError
+from orchestration.process.own_file import OwnFile
 
 
 class Disk(io.RawIOBase):
@@ -19,7 +20,7 @@ class Disk(io.RawIOBase):
         """`shown` is what errors call it."""
         super().__init__()
         self._path = shown or path
-        self._file = path.open("w+b", buffering=0)
+        self._file = OwnFile(path, os.O_CREAT | os.O_TRUNC)
         self._place = self._reserved = self._used = 0
         self._failed: OSError | None = None
         self._rest: list[tuple[int, bytes]] = []
@@ -28,12 +29,12 @@ class Disk(io.RawIOBase):
         """Take disk space for a file of this size; AdcsError if there is none, before anything is changed."""
         if self._failed is None and size > self._reserved and hasattr(os, "posix_fallocate"):
             try:
-                os.posix_fallocate(self._file.fileno(), 0, size)
+                os.posix_fallocate(self._file.number, 0, size)
                 self._reserved = size
             except OSError as error:
                 raise self._told(error) from error
         elif self._failed is not None:
-            raise self._told(self._failed)
+            raise self._told(self._failed) from self._failed
 
     def write(self, content: object) -> int:
         """Write, or seem to."""
@@ -41,9 +42,9 @@ class Disk(io.RawIOBase):
         if self._failed is None:
             try:
                 done = 0
-                self._file.seek(self._place)
+                os.lseek(self._file.number, self._place, os.SEEK_SET)
                 while done < len(data):
-                    done += self._file.write(data[done:]) or 0
+                    done += os.write(self._file.number, data[done:])
             except OSError as error:
                 self._failed = error
         if self._failed is not None:
@@ -55,8 +56,8 @@ class Disk(io.RawIOBase):
     def readinto(self, to: object) -> int:
         """Read what was written, wherever it is."""
         view = memoryview(to).cast("B")  # type: ignore[arg-type]
-        self._file.seek(self._place)
-        content = bytearray(self._file.read(len(view)).ljust(len(view), b"\0"))
+        os.lseek(self._file.number, self._place, os.SEEK_SET)
+        content = bytearray(os.read(self._file.number, len(view)).ljust(len(view), b"\0"))
         for place, data in self._rest:
             first, last = max(place, self._place), min(place + len(data), self._place + len(view))
             if first < last:
@@ -90,13 +91,13 @@ class Disk(io.RawIOBase):
         if self.closed:
             return
         try:
-            self._file.truncate(self._used)
+            os.ftruncate(self._file.number, self._used)
         except OSError as error:
             self._failed = self._failed or error
         self._file.close()
         super().close()
         if self._failed is not None:
-            raise self._told(self._failed)
+            raise self._told(self._failed) from self._failed
 
     def _told(self, error: OSError) -> AdcsError:
         return AdcsError(f"cannot write {self._path}: {error.strerror}")

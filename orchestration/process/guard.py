@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import ctypes
+import errno
 import locale
 import os
 import signal
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 
+from fmus.errors import AdcsError
+
 _KEPT_FROM = 200  # descriptors that are kept aside are moved here, out of the way of one that closes "all" of them
+
+_DESCRIPTORS = "file descriptors of this process"
 
 
 class Floats(Protocol):
@@ -43,10 +48,12 @@ class Guard:
         self._handlers = _Handlers()
         self._standard = _Standard()
         self._limits = _Limits()
+        self._descriptors = _Descriptors()
 
     def close(self) -> None:
         """Give back what was kept for changing things back."""
         self._standard.close()
+        self._descriptors.close()
 
     def thread(self, component: str) -> None:
         """After a call: look at the thread that made it."""
@@ -68,8 +75,12 @@ class Guard:
             self._tell(component, f"changed the umask to {mask:03o}, which was changed back")
         for name in self._handlers.restore():
             self._tell(component, f"took {name} for itself, which was given back")
-        for name in self._limits.restore():
-            self._tell(component, f"changed the limit {name}, which was changed back")
+        for name, back in self._limits.restore():
+            self._tell(
+                component, f"changed the limit {name}, which {'was changed back' if back else 'only root can undo'}"
+            )
+        if self._descriptors.closed():
+            self._tell(component, f"closed {_DESCRIPTORS} that were not its own")
         for name in self._standard.restore():
             self._tell(component, f"closed the standard {name}, which was opened again")
         if self._printed is not None and self._printed():
@@ -98,6 +109,14 @@ def _umask() -> int | None:
     mask = os.umask(0o077)
     os.umask(mask)
     return mask
+
+
+def explained(error: AdcsError, warnings: Iterable[str]) -> str:
+    """Put into words that a file could not be written, with which component has brought that about, if one has."""
+    number = error.__cause__.errno if isinstance(error.__cause__, OSError) else None
+    sign = {errno.EFBIG: "RLIMIT_FSIZE", errno.EMFILE: "RLIMIT_NOFILE", errno.EBADF: _DESCRIPTORS}.get(number or 0)
+    blame = [text for text in warnings if sign is not None and sign in text]
+    return f"{error} ({blame[0]})" if blame else str(error)
 
 
 class _Handlers:
@@ -135,7 +154,8 @@ class _Limits:
             known = {name: getattr(resource, name) for name in self._NAMES if hasattr(resource, name)}
             self._at_first = {name: (number, self._get(number)) for name, number in known.items()}
 
-    def restore(self) -> list[str]:
+    def restore(self) -> list[tuple[str, bool]]:
+        """Name what was changed, and whether that is undone."""
         changed = []
         for name, (number, (soft, hard)) in self._at_first.items():
             if (now := self._get(number)) != (soft, hard):
@@ -144,8 +164,42 @@ class _Limits:
                 except (ValueError, OSError):  # only root may raise a hard limit
                     with suppress(ValueError, OSError):
                         self._set(number, (now[1], now[1]))
-                changed.append(name)
+                changed.append((name, self._get(number) == (soft, hard)))
         return changed
+
+
+class _Descriptors:
+    """A file that is open for nothing but to be found closed, by a component that closes what it did not open."""
+
+    def __init__(self) -> None:
+        self._file = -1
+        with suppress(OSError):  # too many are open: then it is not looked after
+            self._file = os.open(os.devnull, os.O_RDONLY)
+        self._identity = _identity(self._file)
+
+    def __del__(self) -> None:  # of a run that did not get to its end
+        self.close()
+
+    def closed(self) -> bool:
+        """Whether it was; then it is gone."""
+        gone = self._file >= 0 and _identity(self._file) != self._identity
+        if gone:
+            self._file = -1
+        return gone
+
+    def close(self) -> None:
+        if not self.closed() and self._file >= 0:
+            os.close(self._file)
+            self._file = -1
+
+
+def _identity(file: int) -> tuple[int, int] | None:
+    """Which file a descriptor stands for; None if it is closed."""
+    try:
+        found = os.fstat(file)
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
 
 
 class _Standard:

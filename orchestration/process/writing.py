@@ -10,6 +10,16 @@ from pathlib import Path
 from fmus.errors import AdcsError
 
 
+def make_folder(folder: Path, asked: str) -> None:
+    """Make a folder, and those above it; AdcsError names what is in its way, after what was `asked` for."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        obstacle = next((place for place in (folder, *folder.parents) if os.path.lexists(place)), folder)
+        why = error.strerror if obstacle.is_dir() else f"{obstacle} is no folder"
+        raise AdcsError(f"{asked}: {why}: give another place") from error
+
+
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
     """Yield the name to write to, beside `path` and with its ending; AdcsError where it cannot be written.
@@ -17,8 +27,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
     A link in the place of the file is replaced, not followed. A device or a pipe is written to as it is.
     """
     path = Path(path)
+    make_folder(path.parent, f"cannot write {path}")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         special = path.exists() and not path.is_file() and not path.is_dir()
         name = path if special else path.with_name(f".{os.getpid()}.{path.name}")
         try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +16,12 @@ from orchestration.fmu.file import Port
 from orchestration.plan.lowering import Floats
 from orchestration.plan.schedule import split
 from orchestration.process.disk import Disk
-from orchestration.process.writing import replacing
+from orchestration.process.writing import make_folder, replacing
 from orchestration.results.result import Recording, Result, typed
 from orchestration.system import System
 
 _BUFFER = 2**23  # values that are collected before they are written
+_CHUNK = 512  # rows that are in one place of the file: on a full disk no more are lost for lack of a whole one
 _INDEX, _DATASET, _SPARE = 256, 8192, 2**17  # bytes that HDF5 takes for a chunk, for a dataset, and once
 
 
@@ -33,6 +35,7 @@ class FileRecording(Recording):
         self._buffer = np.empty((max(1, _BUFFER // max(self.size, 1)), self.size))
         self._used = 0
         self._open: _File | None = None
+        self._given_up = False  # there was no room for a single row
 
     @property
     def capacity(self) -> int:
@@ -54,9 +57,11 @@ class FileRecording(Recording):
         """Write what is kept; AdcsError if the disk is full, and what fitted is kept."""
         self._flush()
 
-    def close(self, times: Floats, manifest: Mapping[str, Any]) -> None:
-        """Write the times and what is known about the run, and close the file."""
-        self._flush().close(times, manifest)
+    def close(self, times: Floats, manifest: Mapping[str, Any]) -> bool:
+        """Write the times and what is known about the run; False if there is no file, as no row has room in one."""
+        if not self._given_up:
+            self._flush().close(times, manifest)
+        return not self._given_up
 
     def _flush(self) -> _File:
         """Write what is kept; the file is made by the first rows, so that a refused run leaves an older one alone."""
@@ -73,6 +78,10 @@ class FileRecording(Recording):
                 if piece == 1:
                     self.filled -= self._used - done
                     self._used = 0
+                    if not self.filled:
+                        self._given_up = True
+                        self._open.discard()
+                        self.path.unlink(missing_ok=True)
                     raise
                 piece = max(1, piece // 4)
         self._used = 0
@@ -144,8 +153,8 @@ class _File:
         self._ports = ports
         self._rows = 0
         shown = shown or path
+        make_folder(path.parent, f"cannot write {shown}")
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
             self._disk = Disk(path, shown)
         except OSError as error:
             raise AdcsError(f"cannot write {shown}: {error.strerror or error}") from error
@@ -155,7 +164,7 @@ class _File:
                 _place(name),
                 shape=(0, *port.shape),
                 maxshape=(None, *(n or None for n in port.shape)),  # which is no limit; a chunk of nothing cannot be
-                chunks=(max(1, 2**15 // max(1, port.size)), *(max(1, n) for n in port.shape)),
+                chunks=(_chunk(port), *(max(1, n) for n in port.shape)),
                 dtype=typed(np.empty(0), port).dtype,
             )
             made.attrs["unit"] = port.unit or ""
@@ -180,13 +189,23 @@ class _File:
         self._file.close()
         self._disk.close()
 
+    def discard(self) -> None:
+        """Close the file, whatever is in it."""
+        self._file.close()
+        with suppress(AdcsError):
+            self._disk.close()
+
     def _size(self, rows: int) -> int:
         """A bound on the size of the file with so many rows: whole chunks, the times, and what HDF5 adds."""
         sizes = [max(1, port.size) for port in self._ports.values()]
-        chunks = [max(1, 2**15 // size) * size * 8 for size in sizes]
+        chunks = [_chunk(port) * size * 8 for port, size in zip(self._ports.values(), sizes, strict=True)]
         counts = [-(-rows * port.size * 8 // size) for port, size in zip(self._ports.values(), chunks, strict=True)]
         data = sum(n * (size + _INDEX) for n, size in zip(counts, chunks, strict=True))
         return data + 8 * rows + len(self._ports) * _DATASET + _SPARE
+
+
+def _chunk(port: Port) -> int:
+    return max(1, min(_CHUNK, 2**15 // max(1, port.size)))
 
 
 def _place(name: str) -> str:

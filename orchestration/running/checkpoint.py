@@ -82,8 +82,8 @@ class Checkpoint:
             instance.free(state)
 
 
-def write(simulation: Session, k: int, path: Path) -> None:
-    """Save a simulation at point k, at which all its components communicate.
+def content(simulation: Session, k: int) -> bytes:
+    """Return what `write` saves: a simulation at point k, at which all its components communicate.
 
     All of them are at its time, and what was propagated there is propagated again when it is gone on with.
     """
@@ -96,14 +96,21 @@ def write(simulation: Session, k: int, path: Path) -> None:
         state = instance.save()
         arrays[f"state_{i}"] = np.frombuffer(instance.serialize(state), np.uint8)
         instance.free(state)
-    content = io.BytesIO()
-    np.savez(content, **arrays)  # type: ignore[arg-type]
+    file = io.BytesIO()
+    np.savez(file, **arrays)  # type: ignore[arg-type]
+    return file.getvalue()
+
+
+def write(content: bytes, path: Path) -> None:
+    """Save it; AdcsError if there is no room, and an older one stays."""
     with replacing(path) as name:
-        name.write_bytes(content.getvalue())
+        name.write_bytes(content)
 
 
-def check(simulation: Session) -> None:
-    """Refuse by name what cannot be saved, before the run."""
+def check(simulation: Session, path: Path) -> None:
+    """Refuse by name what cannot be saved, and where no file can be, before the run."""
+    if path.is_dir():
+        raise AdcsError(f"cannot write {path}: it is a folder")
     for instance in simulation.instances.values():
         if not instance.can_serialize:
             raise AdcsError(

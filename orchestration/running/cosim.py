@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -108,7 +109,7 @@ def cosimulate(
     with watched_life(begun, course.where, course.timeout, account) as (simulation, watched):
         watched.stop = simulation.loop.stop
         if course.checkpoint is not None:
-            checkpoint.check(simulation)
+            checkpoint.check(simulation, course.checkpoint)
         if course.resume is not None:
             watched(partial(course.resume.apply, simulation))
         adaptive = None if course.adaptive is None else Adaptive(simulation, course.adaptive)
@@ -128,6 +129,7 @@ def cosimulate(
                 account["real_time"] = course.pace.report()
             for watcher in course.watchers:
                 account |= watcher.report()
+            simulation.notes += driver.saves.notes
             if driver.met_at is not None:
                 account["stopped"] = driver.met_at
             if simulation.ended is not None:
@@ -148,7 +150,7 @@ class _Driver:
         self._watched = watched
         self._simulation, self._recording, self._course, self._progress = simulation, recording, course, progress
         self._pending = sorted((c for c in course.changes if c.k >= simulation.k), key=lambda change: change.k)
-        self._saves = _Saves(simulation, course)
+        self.saves = _Saves(simulation, course)
         for change in self._pending:
             change.check(simulation)
         self.met_at: dict[str, Any] | None = None
@@ -161,7 +163,7 @@ class _Driver:
         try:
             while simulation.k <= simulation.last and self.met_at is None and simulation.ended is None:
                 if simulation.shorter_due:
-                    watched(self._saves.last)
+                    watched(self.saves.last)
                     if not self._shorter_step(watched):
                         break
                 after = self._change(watched)
@@ -169,7 +171,7 @@ class _Driver:
                 try:
                     n = self._allowed(1 if after else count)
                 except KeyboardInterrupt:  # while waiting for the time to go on
-                    watched(self._saves.last)
+                    watched(self.saves.last)
                     raise
                 self._advance(watched, n, after)
                 simulation.check()
@@ -177,14 +179,14 @@ class _Driver:
                     self._pending = [*watcher(simulation), *self._pending]
                 self._progress((simulation.k) / (simulation.last + 1))
                 if watched.interrupted:
-                    watched(self._saves.last)
+                    watched(self.saves.last)
                     raise KeyboardInterrupt
-                if self._saves.are_due:
-                    watched(self._saves.write)
+                if self.saves.are_due:
+                    watched(self.saves.write)
                 pace = _PATIENCE / max(perf_counter() - began, 1e-6)
                 count = max(1, min(int(count * min(pace, 8.0)), _MOST))
             if simulation.ended is None:  # else nobody could go on
-                watched(self._saves.last)
+                watched(self.saves.last)
         except Hung as hung:
             simulation.loop.stop(at_once=True)  # the call may come back
             if watched.interrupted:
@@ -201,7 +203,7 @@ class _Driver:
         count = max(1, min(count, ahead, room))
         if self._pending:
             count = min(count, self._pending[0].k - simulation.k)
-        count = min(count, self._saves.points())
+        count = min(count, self.saves.points())
         if self._course.watchers:
             count = 1
         if self._course.pace is not None:
@@ -285,10 +287,15 @@ def rigid(system: System, version: FmiVersion) -> str | None:
 
 
 class _Saves:
-    """The checkpoints of a run: every so often, and at its end."""
+    """The checkpoints of a run: every so often, and at its end.
+
+    A file that cannot be written does not end the run: one line on stderr says so at once, and `notes` at the end.
+    """
 
     def __init__(self, simulation: Session, course: Course) -> None:
         self._simulation, self._path = simulation, course.checkpoint
+        self._missing: list[float] = []  # s, times of those that could not be written
+        self._trouble = ""
         self._one_by_one = course.until is not None  # the state has to be that of the row that meets it
         self._every = None
         if self._path is not None:
@@ -323,7 +330,7 @@ class _Saves:
     def write(self) -> None:
         """Save at the present point."""
         if self._path is not None:
-            checkpoint.write(self._simulation, self._simulation.k, self._path)
+            self._save(self._simulation.k, self._path)
 
     def last(self) -> None:
         """Save where the run ended, or before a last step that is shorter, which is on no grid."""
@@ -332,7 +339,26 @@ class _Saves:
             return
         k = min(simulation.k, simulation.grid.full)
         if self._path is not None and checkpoint.aligned(simulation, k):  # it was interrupted, if not
-            checkpoint.write(simulation, k, self._path)
+            self._save(k, self._path)
+
+    def _save(self, k: int, path: Path) -> None:
+        simulation = self._simulation
+        content = checkpoint.content(simulation, k)
+        try:
+            checkpoint.write(content, path)
+        except AdcsError as error:
+            if not self._trouble:
+                self._trouble = str(error)
+                print(f"adcs: a checkpoint is missing, the run goes on: {error}", file=sys.stderr)
+            self._missing.append(simulation.grid.time(k))
+
+    @property
+    def notes(self) -> list[str]:
+        """What the manifest is to have of it."""
+        if not self._missing:
+            return []
+        times = ", ".join([f"{time:.9g}" for time in self._missing[:3]] + ["..."] * (len(self._missing) > 3))
+        return [f"no checkpoint at t = {times} s: {self._trouble}"]
 
 
 def steps(

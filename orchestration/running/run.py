@@ -23,7 +23,7 @@ from orchestration.isolation.apart import run_apart
 from orchestration.isolation.journal import Journal
 from orchestration.plan.loops import LoopSolver
 from orchestration.plan.lowering import Floats
-from orchestration.process.guard import Guard
+from orchestration.process.guard import Guard, explained
 from orchestration.process.where import Where
 from orchestration.results.hdf5 import FileRecording, FileResult
 from orchestration.results.manifest import completed, make_manifest
@@ -170,7 +170,7 @@ def run(
     }
     manifest = make_manifest(system, fmi_version, settings)
     if journal is not None:
-        journal.begin(system, times, manifest)
+        journal.begin(system, grid, manifest, first, record_every)
     states: Floats = np.empty((grid.steps + 1, 0))
     state_names: list[str] = []
     clock = _Clock()
@@ -179,12 +179,22 @@ def run(
         clock.start()
         where.place.started = 1
 
+    def failed(component: str | None, time: float, message: str) -> Result:
+        outcome = {"status": "failed", "component": component, "time": time, "message": message}
+        if journal is not None:
+            journal.fail(outcome)
+        return result(outcome)
+
     def result(outcome: dict[str, Any]) -> Result:
+        if isinstance(recording, FileRecording):
+            try:
+                recording.flush()
+            except AdcsError as error:  # the disk is full, too; less is kept
+                manifest["warnings"].append(str(error))
         n = recording.filled
         manifest["timing"] = clock.read(float(times[n - 1] - times[0]) if n else 0.0)
         manifest["outcome"] = {**outcome, "rows": n}
-        if isinstance(recording, FileRecording):
-            recording.close(times[:n], manifest)
+        if isinstance(recording, FileRecording) and recording.close(times[:n], manifest):
             return FileResult.of(system, times[:n], recording, manifest)
         return Result(system, times[:n], recording.data[:n], recording.ports, manifest, states[:n], state_names)
 
@@ -224,18 +234,14 @@ def run(
             error.time = float(times[max(recording.filled - 1, 0)])
         if error.time is None:  # it failed in initialisation
             raise
-        outcome = {"status": "failed", "component": error.component, "time": error.time, "message": error.text}
-        raise RunFailed(f"{error}; {recording.filled} rows are kept", result(outcome)) from error
+        left = failed(error.component, error.time, error.text)
+        raise RunFailed(f"{error}; {recording.filled} rows are kept", left) from error
     except AdcsError as error:
         if not clock.running:
             raise
-        outcome = {
-            "status": "failed",
-            "component": None,
-            "time": float(times[min(recording.filled, rows - 1)]),
-            "message": str(error),
-        }
-        raise RunFailed(f"{error}; {recording.filled} rows are kept", result(outcome)) from error
+        text = explained(error, manifest["warnings"])
+        left = failed(None, float(times[min(recording.filled, rows - 1)]), text)
+        raise RunFailed(f"{text}; {recording.filled} rows are kept", left) from error
     except KeyboardInterrupt as error:
         raise RunInterrupted(result({"status": "interrupted"})) from error
     finally:

@@ -91,6 +91,8 @@ class Session:
         self.recording = Recording(system, record)
         self.ended: EndRequested | None = None
         """The wish of a component to end the simulation, once it has come about: nothing comes after that."""
+        self.notes: list[str] = []
+        """What there is to be told of the run besides."""
         self._shortened = False
         bound = inf if may_go_on or steps == ENDLESS else self.grid.bound
         with ExitStack() as stack:
@@ -179,9 +181,9 @@ class Session:
 
     @property
     def warnings(self) -> list[str]:
-        """What the FMUs warned of, and what they changed that was not theirs."""
+        """What the FMUs warned of, what they changed that was not theirs, and what else there is to be told."""
         told = [f"{i.name}: {text}" for i in self.instances.values() for text in i.warnings]
-        return told + overstepped(self.instances, self._guard, [self.loop])
+        return told + overstepped(self.instances, self._guard, [self.loop]) + self.notes
 
     def check(self) -> None:
         """Look at what components may have changed of the process, if one was not built here."""

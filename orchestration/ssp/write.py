@@ -14,6 +14,7 @@ from lxml import etree
 from fmus.errors import AdcsError
 from fmus.xml import serialised
 from orchestration.fmu.file import FmiVersion, Fmu, Port
+from orchestration.process.writing import make_folder
 from orchestration.ssp.archive import packed, write_whole
 from orchestration.ssp.building import add, add_texts, annotate, annotations_of, root_element, set_attribute, text
 from orchestration.ssp.definitions import UsedEnumerations, UsedUnits
@@ -55,8 +56,8 @@ def write_ssp(
         raise AdcsError("SSP 1.0 has no arrays as FMI 3.0 has: write SSP 2.0, or take components of FMI 2.0")
     writer = _Writer(system, fmus, ssp_version or needed)
     content = packed(writer.files(start_time, stop_time, step))
+    make_folder(path.parent, f"cannot write {path}")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, content)
     except OSError as error:
         raise AdcsError(f"cannot write {path}: {error.strerror or error}") from error

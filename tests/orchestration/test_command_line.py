@@ -151,3 +151,50 @@ def test_interruption_keeps_what_was_recorded(tmp_path):
     assert err.strip().splitlines()[-1].startswith("adcs: interrupted at t = ")
     with (tmp_path / "result.csv").open() as file:
         assert len(list(csv.reader(file))) == rows + 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["run", "observer-pd", "--out", "file"], "--out file: file is no folder: give another place"),
+        (["run", "observer-pd", "--out", "file/a/b"], "--out file/a/b: file is no folder: give another place"),
+        (["study", "thakur", "--out", "file"], "--out file: file is no folder: give another place"),
+        (["hil", "hil-spacecraft", "--out", "file"], "--out file: file is no folder: give another place"),
+        (
+            ["linearize", "PdTracking", "--out", "file/x.json"],
+            "--out file/x.json: file is no folder: give another place",
+        ),
+        (
+            ["linearize", "PdTracking", "--out", "folder.json"],
+            "--out folder.json: it is a folder: give the name of a file in it",
+        ),
+        (
+            ["export", "full-state-pd", "--out", "file/x.ssp"],
+            "cannot write file/x.ssp: file is no folder: give another place",
+        ),
+        (["export", "full-state-pd", "--out", "folder.ssp"], "folder.ssp is a folder: give the name of a file in it"),
+        (
+            ["export", "full-state-pd", "a.ssp", "--out", "b.ssp"],
+            "--out b.ssp: the file is given as a.ssp already, leave one out",
+        ),
+        (
+            ["run", "observer-pd", "--checkpoint", "file/x", "--out", "out"],
+            "--checkpoint file/x: file is no folder: give another place",
+        ),
+    ],
+)
+def test_a_place_where_nothing_can_be_is_named_with_a_way_out(tmp_path, monkeypatch, capsys, arguments, message):
+    monkeypatch.chdir(tmp_path)
+    Path("file").write_text("mine")
+    for name in ("folder.json", "folder.ssp"):
+        Path(name).mkdir()
+    assert adcs(*arguments) == 1
+    assert capsys.readouterr().err == f"adcs: {message}\n"
+    assert Path("file").read_text() == "mine"
+
+
+def test_export_takes_its_file_by_out_as_well(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert adcs("export", "full-state-pd", "--out", "here.ssp") == 0
+    assert capsys.readouterr().out.startswith("here.ssp: 4 components, 7 connections")
+    assert [file.name for file in tmp_path.iterdir()] == ["here.ssp"]

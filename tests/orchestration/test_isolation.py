@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import signal
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -12,9 +15,9 @@ import h5py
 import numpy as np
 import pytest
 import scipy.io
-from hostile import adcs, as_file, start, system, until
+from hostile import ROOT, adcs, as_file, start, system, until
 
-from adcs import AdcsError, RunFailed, run
+from adcs import AdcsError, RunFailed, System, run, write_ssp
 from orchestration.isolation import journal
 from orchestration.process.lock import Lock
 
@@ -127,6 +130,92 @@ def test_what_a_component_changes_for_all_is_changed_back_and_reported(mock, nam
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+def _without_the_right_to_raise_limits() -> None:
+    drop, resources = 24, 24  # PR_CAPBSET_DROP, CAP_SYS_RESOURCE
+    ctypes.CDLL(None).prctl(drop, resources, 0, 0, 0)
+
+
+def _alone(mock, folder, name):
+    """As an SSP with this component only, which is the one to be named then."""
+    made = System("alone")
+    made.add(name, mock("hostile"))
+    write_ssp(made, folder / f"{name}.ssp")
+
+
+def test_a_component_that_closes_all_descriptors_is_named_and_costs_nothing(mock, tmp_path):
+    name = "descriptors_doStep"
+    _alone(mock, tmp_path, name)
+    options = ("--stop", 1, "--step", 0.1, "--format", "csv", "--out", "out", "--json", "--no-report")
+    code, out, err = adcs("run", f"{name}.ssp", *options, cwd=tmp_path)
+    assert (code, err) == (0, "")
+    assert json.loads(out)["outcome"] == {"status": "complete", "rows": 11}
+    assert json.loads((tmp_path / "out/manifest.json").read_text())["warnings"] == [
+        f"{name}: closed file descriptors of this process that were not its own"
+    ]
+    assert sorted(file.name for file in (tmp_path / "out").iterdir()) == ["manifest.json", "result.csv"]
+
+
+def test_a_journal_that_a_component_has_closed_goes_on_and_harms_no_other_file(chain, tmp_path, monkeypatch):
+    monkeypatch.setattr(journal, "_PIECE", 4096)
+    kept = journal.Journal(tmp_path / "run.journal")
+    victims = []
+
+    def close(_):
+        if len(victims) < 3 and kept._file.is_open:
+            number = kept._file.number
+            os.close(number)
+            victims.append(os.open(tmp_path / f"{len(victims)}", os.O_RDWR | os.O_CREAT))
+            assert victims[-1] == number
+
+    result = run(chain(), stop_time=100, step=0.01, journal=kept, progress=close)
+    assert len(result.time) == 10_001
+    kept.close()
+    assert [os.fstat(victim).st_size for victim in victims] == [0, 0, 0]
+    for victim in victims:
+        os.close(victim)
+    assert np.array_equal(journal.read(kept.path).data, run(chain(), stop_time=100, step=0.01).data)
+
+
+def test_hdf5_as_rows_come_is_whole_though_its_file_was_closed(mock, tmp_path):
+    """In a process of its own, where closing all descriptors hurts nobody else."""
+    _alone(mock, tmp_path, "descriptors_doStep")
+    code = """
+from orchestration.results import hdf5
+from adcs import run
+from orchestration.ssp.read import read_ssp
+hdf5._BUFFER = 2
+result = run(read_ssp("descriptors_doStep.ssp").system, stop_time=1.0, step=0.1, hdf5="result.h5")
+print(len(result["descriptors_doStep.y"]), *result.manifest["warnings"])
+"""
+    ran = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+    )
+    told = "11 descriptors_doStep: closed file descriptors of this process that were not its own\n"
+    assert (ran.stdout, ran.stderr) == (told, "")
+    with h5py.File(tmp_path / "result.h5") as file:
+        assert file["descriptors_doStep/y"][:].tolist() == [1 + 0.1 * k / 1000 for k in range(11)]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="capabilities of Linux")
+def test_a_limit_that_only_root_can_undo_is_named_and_the_files_are_made_all_the_same(mock, tmp_path):
+    name = "filesize_doStep"
+    _alone(mock, tmp_path, name)
+    options = ("--stop", 1, "--step", 0.1, "--format", "csv", "--out", "out", "--no-report")
+    process = start("run", f"{name}.ssp", *options, cwd=tmp_path, before=_without_the_right_to_raise_limits)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 0, err
+    blame = f"{name}: changed the limit RLIMIT_FSIZE, which only root can undo"
+    out = tmp_path / "out"
+    assert f"cannot write {out}/result.csv: File too large ({blame}); 11 rows are kept in {out}: " in err
+    assert len(err.splitlines()) == 1
+    assert blame in json.loads((out / "manifest.json").read_text())["warnings"]
+    assert len((out / "result.csv").read_text().splitlines()) == 12
+
+
 @pytest.mark.parametrize("call", ["instantiate", "initialise", "doStep", "terminate", "free"])
 def test_a_call_that_hangs_is_given_up_wherever_it_is(mock, call):
     name = f"hang_{call}"
@@ -201,8 +290,6 @@ def test_exit_at_the_end_is_no_end_of_a_run(mock, tmp_path):
 def test_what_a_component_prints_does_not_get_into_json_nor_its_folder_into_paths(mock, tmp_path):
     made = system(mock, "print_doStep")
     made.add("folder_doStep", mock("hostile", name="another"))
-    from adcs import write_ssp
-
     write_ssp(made, tmp_path / "two.ssp")
     options = ("--stop", 1, "--step", 0.1, "--format", "csv", "--out", "out", "--json", "--no-report")
     code, out, err = adcs("run", "two.ssp", *options, cwd=tmp_path)

@@ -29,11 +29,11 @@ FULL = "No space left on device"
 
 
 @pytest.fixture
-def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """A disk of 512 kB."""
+def small_disk(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Path]:
+    """A disk of 512 kB, or of as many as an indirect parameter says."""
     disk = tmp_path / "disk"
     disk.mkdir()
-    mount = ["mount", "-t", "tmpfs", "-o", "size=512k", "tmpfs", str(disk)]
+    mount = ["mount", "-t", "tmpfs", "-o", f"size={getattr(request, 'param', 512)}k", "tmpfs", str(disk)]
     try:
         subprocess.run(mount, check=True, capture_output=True)
     except (OSError, subprocess.CalledProcessError):
@@ -60,24 +60,65 @@ def test_a_full_disk_is_one_line_for_every_writer_and_leaves_no_half_file(chain,
         run(chain(), stop_time=1, step=0.5).write_hdf5(small_disk / "small.h5")
 
 
-def test_a_disk_that_fills_up_ends_a_run_with_the_rows_that_fitted(chain, small_disk):
+@pytest.mark.parametrize(("small_disk", "pages"), [(512, 124), (256, 60), (128, 28)], indirect=["small_disk"])
+@pytest.mark.parametrize("stop", [100, 10_000])
+def test_a_disk_that_fills_up_ends_a_run_with_the_rows_that_fitted(chain, small_disk, pages, stop):
+    """However long it was to be: all pages of 4096 bytes but four, for what the run is and how it came out."""
     full = Journal(small_disk / "run.journal")
-    with pytest.raises(RunFailed, match=f"no room for another row in {full.path}: {FULL}; ") as failed:
-        run(chain(), stop_time=100, step=0.01, journal=full)
+    with pytest.raises(RunFailed) as failed:
+        run(chain(), stop_time=stop, step=0.01, journal=full)
     result = failed.value.result
-    assert len(result.time) == 5 * 65536 // (12 * 8)  # 12 numbers a row, in what the times and all else leave
+    n = len(result.time)
+    assert str(failed.value) == (
+        f"no room for another row at t = {0.01 * n:.9g} s in {full.path}: {FULL}; {n} rows are kept"
+    )
+    assert n == pages * 4096 // (12 * 8)  # 12 numbers a row
     expected = run(chain(), stop_time=100, step=0.01)
-    assert np.array_equal(result.data, expected.data[: len(result.time)])
+    assert np.array_equal(result.data, expected.data[:n])
+    kept = journal.read(full.path)
+    assert np.array_equal(kept.times, expected.time[:n])
+    assert (kept.failure["component"], kept.failure["time"]) == (None, 0.01 * n)
 
 
-def test_hdf5_as_rows_come_keeps_what_fits(chain, small_disk):
+@pytest.mark.parametrize(("record", "rows"), [(["source.y"], 23 * 512), (None, 6 * 512)])
+def test_hdf5_as_rows_come_keeps_what_fits(chain, small_disk, record, rows):
     path = small_disk / "result.h5"
     with pytest.raises(RunFailed, match=f"^cannot write {path}: {FULL}; "):
-        run(chain(), stop_time=1000, step=0.01, record=["source.y"], hdf5=path)
+        run(chain(), stop_time=1000, step=0.01, record=record, hdf5=path)
     with h5py.File(path) as file:
         n = len(file["time"])
         assert file["source/y"].shape == (n, 3)
         assert json.loads(file["manifest"][()])["outcome"]["rows"] == n
+    assert n == rows  # 25 or 102 bytes a row and 8 for its time, in 384 kB
+
+
+@pytest.mark.parametrize("small_disk", [100], indirect=True)
+def test_hdf5_as_rows_come_leaves_no_file_where_no_row_has_room(chain, small_disk):
+    path = small_disk / "result.h5"
+    with pytest.raises(RunFailed, match=f"^cannot write {path}: {FULL}; 0 rows are kept$") as failed:
+        run(chain(), stop_time=1000, step=0.01, record=["source.y"], hdf5=path)
+    assert failed.value.result["source.y"].shape == (0, 3)
+    assert list(small_disk.iterdir()) == []
+
+
+@pytest.mark.parametrize("small_disk", [100], indirect=True)
+def test_a_component_that_fails_on_a_full_disk_is_still_what_is_told(faulty, small_disk):
+    with pytest.raises(RunFailed, match=r"^wheel failed at t = 0\.5 s: .*; 0 rows are kept$") as failed:
+        run(faulty("2.0", 1), stop_time=1, step=0.25, hdf5=small_disk / "result.h5")
+    assert failed.value.result.manifest["warnings"] == [f"cannot write {small_disk}/result.h5: {FULL}"]
+
+
+def test_an_isolated_run_keeps_the_rows_that_its_file_has_no_room_for(chain, small_disk):
+    path = small_disk / "result.h5"
+    with pytest.raises(RunFailed) as failed:
+        run(chain(), stop_time=100, step=0.01, hdf5=path, isolated=True)
+    assert str(failed.value) == f"cannot write {path}: {FULL}; 10001 rows are kept"
+    result = failed.value.result
+    assert np.array_equal(result["integrator.y"], run(chain(), stop_time=100, step=0.01)["integrator.y"])
+    assert result.manifest["outcome"]["message"] == f"cannot write {path}: {FULL}"
+    assert list(small_disk.iterdir()) == []
+    with pytest.raises(AdcsError, match=f"^cannot write {small_disk}: it is a folder$"):
+        run(chain(), stop_time=100, step=0.01, hdf5=small_disk, isolated=True)
 
 
 def test_hdf5_closes_in_peace_when_a_write_fails(tmp_path, monkeypatch):
@@ -86,15 +127,10 @@ def test_hdf5_closes_in_peace_when_a_write_fails(tmp_path, monkeypatch):
     file["values"] = np.arange(100.0)
     file.flush()
 
-    class Full:
-        def __getattr__(self, name):
-            return getattr(inner, name)
+    def full(number, content):
+        raise OSError(28, FULL)
 
-        def write(self, content):
-            raise OSError(28, FULL)
-
-    inner = disk._file
-    monkeypatch.setattr(disk, "_file", Full())
+    monkeypatch.setattr(os, "write", full)
     file["more"] = np.arange(100_000.0)
     assert file["more"][99_999] == 99_999.0  # also when it is read again
     file.close()
@@ -117,12 +153,42 @@ def test_the_command_line_keeps_rows_that_no_file_has_room_for(mock, small_disk,
     assert json.loads((out / "manifest.json").read_text())["outcome"]["status"] == "complete"
 
 
+@pytest.mark.parametrize("small_disk", [256], indirect=True)
+def test_why_a_run_ended_is_told_by_the_line_the_manifest_and_what_is_recovered(mock, small_disk, tmp_path):
+    as_file(mock, tmp_path, "fine_never")
+    out = small_disk / "out"
+    options = ("--stop", 1000, "--step", 0.01, "--format", "csv", "--out", out, "--no-report")
+    code, _, err = adcs("run", "fine_never.ssp", *options, cwd=tmp_path)
+    kept = len(journal.read(out / journal.NAME).times)
+    assert kept > 5000
+    reason = f"no room for another row at t = {0.01 * kept:.9g} s in {out}/run.journal: {FULL}"
+    assert (code, err) == (
+        1,
+        f"adcs: {reason}; cannot write {out}/result.csv: {FULL}; {kept} rows are kept in {out}: make room, then "
+        f"`adcs recover {out}`\n",
+    )
+    outcome = {"status": "failed", "component": None, "time": 0.01 * kept, "message": reason, "rows": kept}
+    assert json.loads((out / "manifest.json").read_text())["outcome"] == outcome
+    subprocess.run(["mount", "-o", "remount,size=4m", str(small_disk)], check=True)
+    code, _, err = adcs("recover", out, cwd=tmp_path)
+    assert (code, err) == (0, f"adcs: {reason}; {kept} rows are kept\n")
+    assert json.loads((out / "manifest.json").read_text())["outcome"] == outcome
+    assert len((out / "result.csv").read_text().splitlines()) == kept + 1
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
-def test_a_checkpoint_that_cannot_be_written_is_one_line_with_the_rows():
+def test_checkpoints_that_cannot_be_written_are_one_line_and_the_run_goes_on(capfd, tmp_path):
     from benchmarks import loop
 
-    with pytest.raises(RunFailed, match=f"^cannot write /dev/full: {FULL}; 101 rows are kept$"):
-        run(loop.system(), stop_time=1, step=0.01, checkpoint="/dev/full")
+    common = {"stop_time": 1, "step": 0.01}
+    result = run(loop.system(), **common, checkpoint="/dev/full", checkpoint_every=0.3)
+    told = f"cannot write /dev/full: {FULL}"
+    assert capfd.readouterr().err == f"adcs: a checkpoint is missing, the run goes on: {told}\n"
+    assert result.manifest["warnings"] == [f"no checkpoint at t = 0.3, 0.6, 0.9, ... s: {told}"]
+    assert result.manifest["outcome"] == {"status": "complete", "rows": 101}
+    assert np.array_equal(result.data, run(loop.system(), **common).data)
+    with pytest.raises(AdcsError, match=f"^cannot write {tmp_path}: it is a folder$"):
+        run(loop.system(), **common, checkpoint=tmp_path)
 
 
 def test_links_in_a_results_folder_are_replaced_and_not_followed(chain, tmp_path):
@@ -207,7 +273,7 @@ def test_a_write_that_fails_leaves_the_old_file(tmp_path, name):
     assert [file.read_text() for file in tmp_path.iterdir()] == ["old"]
 
 
-@pytest.mark.parametrize("cut", [0, 10, 63, 64, 4095, 4096, 70_000])
+@pytest.mark.parametrize("cut", [0, 10, 63, 64, 4095, 4096, 12_000])
 def test_a_journal_that_is_cut_off_or_none_is_refused_in_one_line(chain, tmp_path, cut):
     whole = Journal(tmp_path / "run.journal")
     run(chain(), stop_time=1, step=0.5, journal=whole)

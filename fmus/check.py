@@ -9,6 +9,7 @@ from typing import Any, Literal
 from fmus.archive import LARGEST_XML, Archive
 from fmus.checks import Note
 from fmus.checks.archive import check_archive, check_layout, check_members
+from fmus.checks.attributes import check_attributes
 from fmus.checks.behaviour import check_behaviour
 from fmus.checks.description import (
     check_companions,
@@ -74,6 +75,7 @@ def _check(path: Path, behaviour: Callable[[Path], Iterable[str]]) -> Iterator[F
                 )
                 yield from _found("companions", check_companions(safe, model))
                 yield from _found("variables", check_variables(model, root))
+                yield from _found("variables", check_attributes(root))
                 yield from _found("dependencies", check_dependencies(model))
                 for name in archive.namelist():
                     if name.startswith("binaries/") and name.endswith((".so", ".dll", ".dylib")):

@@ -25,7 +25,7 @@ def single(fmu: str | Path, start: Mapping[str, Any] | None = None) -> System:
     for variable, value in (start or {}).items():
         system.set(variable if variable.startswith(f"{name}.") else f"{name}.{variable}", value)
     for port in component.fmu.ports.values():
-        given = component.fmu.nodes.main(port).name in component.start
+        given = component.has_start(port)
         if port.causality == "input" and port.type.startswith(NUMERIC) and not given:
             zero = (False if port.type == "Boolean" else 0,) * port.size
             system.set(f"{name}.{port.name}", np.reshape(port.start or zero, port.shape))

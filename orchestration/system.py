@@ -45,6 +45,13 @@ class Component:
         """Return the FMU in the FMI version asked for; a component given by path has only one."""
         return open_fmu(locate(self.source, version)).configured(self.start)
 
+    def has_start(self, port: Port) -> bool:
+        """Whether start values were given for all of a variable, by whatever names it has."""
+        nodes = self.fmu.nodes
+        return nodes.main(port).name in self.start or all(
+            any(name in self.start for name in nodes.mains(node)) for node in nodes.of(port)
+        )
+
 
 @dataclass(frozen=True)
 class Connection:
@@ -171,7 +178,14 @@ class System:
         for connected in self._into(component, port):
             if not connected.delayed:
                 raise AdcsError(f"{name} is connected to {connected.source}: a start value would have no effect")
-        self.components[component].start[fmu.nodes.main(port).name] = _start(component, fmu, port.name, value)
+        main, values = fmu.nodes.main(port).name, _start(component, fmu, port.name, value)
+        start = self.components[component].start
+        start[main] = values
+        given = fmu.nodes.spread(port, values)
+        for other in {name for node in given for name in fmu.nodes.mains(node)} & start.keys() - {main}:
+            start[other] = tuple(
+                (fmu.nodes.spread(fmu.ports[other], start[other]) | given)[n] for n in fmu.nodes.of(fmu.ports[other])
+            )
 
     def _resize(self, name: str, parameter: Port, value: Value) -> None:
         """Set a structural parameter; refuse what makes given start values or connections not fit any more."""
@@ -258,8 +272,7 @@ class System:
             source, target, scale.factor, scale.offset, pairs, delay_steps, float(delay), given or bool(pairs)
         )
         component = self.components[input_.component]
-        has_start = component.fmu.nodes.main(input_.port).name in component.start
-        if has_start and not connection.delayed and len(input_.elements) == input_.port.size:
+        if component.has_start(input_.port) and not connection.delayed and len(input_.elements) == input_.port.size:
             raise AdcsError(f"{link}{target} has a start value that the connection would override: drop one of them")
         self._append(connection)
 
@@ -354,11 +367,12 @@ class System:
                         f"{component.name}.{port.name} has {size_text(port.shape)} by its structural parameters, and "
                         "the FMU has no start values for so many: give it a start value"
                     )
+            _refuse_own_misfits(component)
             nodes = component.fmu.nodes
             for port in component.fmu.ports.values():
                 if port.causality != "input" or not port.type.startswith(NUMERIC) or port is not nodes.main(port):
                     continue
-                if port.name in component.start or not port.size:
+                if component.has_start(port) or not port.size:
                     continue
                 name = f"{component.name}.{port.name}"
                 places = [(component.name, nodes.place(port, i)) for i in range(port.size)]
@@ -476,16 +490,33 @@ def _start(component: str, fmu: Fmu, variable: str, value: Value) -> tuple[Any, 
 def _starts(component: str, fmu: Fmu, given: Mapping[str, Value]) -> dict[str, tuple[Any, ...]]:
     """Check start values; refuse different ones for two names of a variable."""
     found: dict[str, tuple[Any, ...]] = {}
-    by: dict[str, str] = {}
+    by: dict[str, tuple[str, Any]] = {}
     for variable, value in given.items():
-        values, main = _start(component, fmu, variable, value), fmu.nodes.main(fmu.ports[variable]).name
-        if found.setdefault(main, values) != values:
-            raise AdcsError(
-                f"{component}.{by[main]} and {component}.{variable} are names of one variable, and are given different "
-                "start values: give one of them"
-            )
-        by[main] = variable
+        values = _start(component, fmu, variable, value)
+        port = fmu.ports[variable]
+        for node, own in fmu.nodes.spread(port, values).items():
+            other, before = by.setdefault(node, (variable, own))
+            if before != own:
+                raise AdcsError(
+                    f"{component}.{other} and {component}.{variable} are names of one variable, and are given "
+                    "different start values: give one of them"
+                )
+        found[fmu.nodes.main(port).name] = values
     return found
+
+
+def _refuse_own_misfits(component: Component) -> None:
+    """Refuse values that the FMU itself starts with and that its types do not hold, unless others were given."""
+    for port in component.fmu.ports.values():
+        own = port.start if port.settable and port.initial == "exact" and port.causality != "input" else None
+        if own is None or not port.type.startswith("Float") or component.has_start(port):
+            continue
+        misfit = first_misfit(port.type, np.asarray(own))
+        if misfit is not None:
+            name = f"{component.name}.{port.name}"
+            raise AdcsError(
+                f"{name} = {own[misfit[0]]!r} by its FMU{misfit[1]}: give it another value (--set {name}=...)"
+            )
 
 
 def checked_value(name: str, port: Port, value: Value) -> tuple[Any, ...]:

@@ -196,6 +196,8 @@ def _check_starts(fmu: FMU2Slave | FMU3Slave, model: ModelDescription, texts: di
         words = texts.get(v.name) or ([v.start] if v.type in ("String", "Binary") else str(v.start).split())
         declared = [_value(kind, word) for word in words]
         size = {} if is_fmi2 else {"nValues": math.prod(v.shape)}
+        if kind == "Float32" and any(map(math.isinf, declared)):  # of which `check_variables` tells
+            continue
         try:
             read = getattr(fmu, f"get{kind}")([v.valueReference], **size)
         except Exception as error:

@@ -2,6 +2,7 @@
 
 import copy
 import math
+import struct
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -62,6 +63,10 @@ def check_companions(archive: Archive, model: ModelDescription) -> Iterator[str]
             for member in document.iter("TerminalMemberVariable"):
                 if member.get("variableName") not in known:
                     yield f"{name}, line {member.sourceline}: {member.get('variableName')} is no variable"
+            for member in document.iter("TerminalStreamMemberVariable"):
+                for attribute in ("inStreamVariableName", "outStreamVariableName"):
+                    if member.get(attribute) not in known:
+                        yield f"{name}, line {member.sourceline}: {attribute} {member.get(attribute)} is no variable"
             for configuration in document.iter("BuildConfiguration"):
                 if (given := configuration.get("modelIdentifier")) is not None and given not in identifiers:
                     expected = " or ".join(sorted(identifiers))
@@ -171,6 +176,8 @@ def _check_start(v: ModelVariable) -> Iterator[str]:
             continue
         if not math.isfinite(value):
             yield f"{v.name}: start {value} is not finite"
+        elif v.type == "Float32" and math.isinf(struct.unpack("f", struct.pack("f", value))[0]):
+            yield f"{v.name}: start {text} is outside the range of Float32"
         elif low is not None and value < float(low):
             yield f"{v.name}: start {value:g} is below min {low}"
         elif high is not None and value > float(high):

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from math import isfinite
 from typing import Any, Protocol
 
-from orchestration.fmu.file import FmiVersion
-from orchestration.fmu.ranges import declared_ranges, range_of
+from fmus.errors import AdcsError
+from orchestration.fmu.file import FmiVersion, Port
+from orchestration.fmu.ranges import Range, declared_ranges, range_of
+from orchestration.running.live import Inputs
+from orchestration.system import System, Value, checked_value
 
 _NEAR = 1e-9  # how far, relative, a step may be from a multiple of another
 
@@ -19,20 +23,56 @@ class _System(Protocol):
 
 def outside_range(system: _System) -> list[str]:
     """Say which start values of a system are outside of their range; FMI leaves it to the FMU what comes of that."""
-    found = []
+    found: list[str] = []
     for component in system.components.values():
         ranges = declared_ranges(component.fmu)
         for name, values in component.start.items() if ranges else ():
             port = component.fmu.ports[name]
-            if port.type.startswith(("Float", "Int", "UInt")):
-                for element, value in zip(port.elements, values, strict=True):
-                    low, high = range_of(ranges, port, element)
-                    if not low <= value <= high:
-                        found.append(
-                            f"{component.name}.{element} = {value:g} is outside of the range its FMU is made for, "
-                            f"{low:g} to {high:g}"
-                        )
+            found += (text for _, text in _outside(component.name, ranges, port, port.elements, values))
     return found
+
+
+def changed_outside_range(
+    system: System, changes: Sequence[tuple[float, str, Value]], inputs: Inputs | None
+) -> list[str]:
+    """Say it of what is set during a run, and of a table for each element once."""
+    ranges = {component.name: declared_ranges(component.fmu) for component in system.components.values()}
+    found: dict[Any, str] = {}
+    for i, (time, name, value) in enumerate([*changes, *(() if inputs is None else inputs.rows())]):
+        end = system.end(name)
+        if not ranges[end.component]:
+            continue
+        try:
+            flat = (
+                checked_value(name, replace(end.port, shape=end.shape), value) if i < len(changes) else value.tolist()
+            )
+        except AdcsError:  # which is refused when the run begins
+            continue
+        elements = [end.port.elements[k] for k in end.elements]
+        for element, text in _outside(
+            end.component, ranges[end.component], end.port, elements, flat, f" at {time:g} s"
+        ):
+            found.setdefault(i if i < len(changes) else (end.component, element), text)
+    return list(found.values())
+
+
+def _outside(
+    component: str,
+    ranges: Mapping[str, Range],
+    port: Port,
+    elements: Sequence[str],
+    values: Sequence[Any],
+    when: str = "",
+) -> Iterator[tuple[str, str]]:
+    """Yield the elements of a variable that are given a number outside of their range, and what to say of each."""
+    for element, value in zip(elements, values, strict=True) if port.type.startswith(("Float", "Int", "UInt")) else ():
+        low, high = range_of(ranges, port, element)
+        if not low <= value <= high:
+            yield (
+                element,
+                f"{component}.{element} = {value:g}{when} is outside of the range its FMU is made for, "
+                f"{low:g} to {high:g}",
+            )
 
 
 def odd_steps(system: _System, fmi_version: FmiVersion, settings: Mapping[str, Any]) -> list[str]:

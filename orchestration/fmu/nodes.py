@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from orchestration.fmu.file import Port
@@ -24,14 +24,17 @@ class Nodes(Mapping[str, "tuple[Port, list[int]]"]):
         self._nodes: dict[str, tuple[Port, list[int]]] = {}
         self._of: dict[tuple[str, int], str] = {}  # by type, since references of FMI 2.0 count for each anew
         self._main: dict[tuple[str, tuple[int, ...]], Port] = {}
+        self._mains: dict[str, list[str]] = {}
         for port in sorted(ports, key=_rank):
-            self._main.setdefault((port.type, port.references), port)
+            main = self._main.setdefault((port.type, port.references), port)
             for i, reference in enumerate(port.references):
                 if (port.type, reference) not in self._of:
                     each = len(port.references) > 1
                     name = port.elements[i] if each else port.name
                     self._of[port.type, reference] = name
                     self._nodes[name] = (port, [i] if each else list(range(port.size)))
+                if main is port:
+                    self._mains.setdefault(self._of[port.type, reference], []).append(port.name)
 
     def __getitem__(self, node: str) -> tuple[Port, list[int]]:
         return self._nodes[node]
@@ -59,6 +62,15 @@ class Nodes(Mapping[str, "tuple[Port, list[int]]"]):
     def main(self, port: Port) -> Port:
         """Return the variable that leads where several have the very same references: it keeps their start value."""
         return self._main[port.type, port.references]
+
+    def mains(self, node: str) -> list[str]:
+        """Return the leading variables that have a node: arrays of FMI 2.0 may have it at different places."""
+        return self._mains[node]
+
+    def spread(self, port: Port, flat: Sequence[Any]) -> dict[str, Any]:
+        """Return what each node of a variable gets of its values: one of them, or all."""
+        each = len(port.references) == len(flat)
+        return dict(zip(self.of(port), flat if each else [flat], strict=True))
 
 
 def _rank(port: Port) -> int:

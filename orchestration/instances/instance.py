@@ -269,6 +269,13 @@ class Instance:
         end.time = time
         return end
 
+    def returned_outside(self, last: float, now: float, target: float) -> CallFailed:
+        """Say that a step ended early at no time of its own."""
+        return self.wrong(
+            f"doStep returned early at t = {last!r} s, which is not within its step from {now:.9g} to {target:.9g} "
+            "s: the FMU must give its lastSuccessfulTime"
+        )
+
     def returned_early(self, last: float) -> CallFailed:
         """Put into words that the FMU stepped less far than asked."""
         return CallFailed(self.name, f"doStep returned early at t = {last:.9g} s, which was not allowed")
@@ -472,7 +479,8 @@ class Instance:
         elif last >= time:
             raise self.ended(last)
         elif early:
-            raise self.returned_early(last)
+            allowed = self._events is not None or self._interface.mightReturnEarlyFromDoStep
+            raise self.returned_outside(last, time, time + step) if allowed else self.returned_early(last)
         else:  # it has not said how far it got, and need not
             self.wants_end = True
 

@@ -108,10 +108,7 @@ class Stepper:
     def _reached(self, now: float, target: float, resolution: float, last: float) -> float:
         """Return the time at which a step has returned early; refuse one outside of the step."""
         if not now - resolution <= last <= target + resolution:
-            raise self._instance.wrong(
-                f"doStep returned early at t = {last!r} s, which is not within its step from {now:.9g} to {target:.9g} "
-                "s: the FMU must give its lastSuccessfulTime"
-            )
+            raise self._instance.returned_outside(last, now, target)
         return min(max(last, now), target)
 
     def _target(self, now: float, end: float, resolution: float) -> float:

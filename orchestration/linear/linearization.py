@@ -63,6 +63,13 @@ def linearize(
     if not start_time <= time < inf:
         raise AdcsError(f"time = {time} s: expected a time from the start time {start_time} s on")
     _refuse_delays(system)
+    for component in system.components.values():
+        fmu = component.open(fmi_version)
+        if fmu.model.coSimulation is not None and fmu.model.modelExchange is None:
+            raise AdcsError(
+                f"{component.name} ({fmu.path.name}) is for co-simulation only, and a linearisation needs its "
+                "derivatives: export it for Model Exchange"
+            )
     with CoupledModel(system, start_time, fmi_version=fmi_version, record=[], loops=loops) as model:
         solution = Solution(model, start_time, 1e-9 * max(time - start_time, 1e-3), solver, rtol, atol)
         solution.reach(time)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
@@ -51,6 +52,19 @@ class Change:
         simulation.set(self.name, self.value)
 
 
+def refuse_two_names(system: System, changes: Sequence[Change]) -> None:
+    """Refuse two names of one variable at one point; of two changes by the same name the later one counts."""
+    given: dict[Any, str] = {}
+    for change in changes:
+        places = [(change.k, place) for place in system.places(change.name)]
+        for other in (given[place] for place in places if given.get(place, change.name) != change.name):
+            raise AdcsError(
+                f"the changes of {other} and {change.name} at one time are for two names of one variable: make one of "
+                "them"
+            )
+        given.update(dict.fromkeys(places, change.name))
+
+
 class Inputs:
     """Inputs whose values come from a table over time, for `names`.
 
@@ -75,6 +89,7 @@ class Inputs:
             _check(name, end.port.type, times, part)
             parts.append(part.astype(float))
             self._continuous += [end.port.type.startswith("Float")] * part.shape[1]
+        self._parts = parts
         self._values = np.hstack(parts) if parts else np.empty((len(times), 0))
 
     @classmethod
@@ -97,9 +112,17 @@ class Inputs:
             if unit not in (None, "-", port.unit):
                 raise AdcsError(f"{path}: {name} is in {unit!r}, expected {port.unit!r}")
             columns[name] = table[:, column]
-            if port.type in ("Int64", "UInt64") and (np.abs(columns[name]) == EXACT).any():  # if it was not rounded
+            if (
+                port.type in ("Int64", "UInt64") and (np.abs(columns[name]) >= EXACT).any()
+            ):  # which may have been rounded
                 columns[name] = whole_column(path, column)
         return cls(system, table[:, 0], columns)
+
+    def rows(self) -> Iterator[tuple[float, str, Floats]]:
+        """Yield all that is in the table: time [s], name and values."""
+        for name, part in zip(self.names, self._parts, strict=True):
+            for time, values in zip(self._times.tolist(), part, strict=True):
+                yield time, name, values
 
     def at(self, times: Floats) -> Floats:
         """Return the values at these times, (n, number of values)."""

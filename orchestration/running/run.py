@@ -15,6 +15,7 @@ import numpy as np
 from fmus.errors import AdcsError
 from orchestration.coupled import CoupledModel, SolverName, couple
 from orchestration.engine import ThreadControl
+from orchestration.fmu.advice import changed_outside_range
 from orchestration.fmu.file import FmiVersion, Kind
 from orchestration.grid import Grid
 from orchestration.instances.instance import CallFailed
@@ -30,7 +31,7 @@ from orchestration.results.manifest import completed, make_manifest
 from orchestration.results.result import Recording, Result, RunFailed, RunInterrupted
 from orchestration.running.checkpoint import Checkpoint
 from orchestration.running.cosim import Course, Progress, Watcher, cosimulate, rigid
-from orchestration.running.live import Change, Condition, Inputs, Pace
+from orchestration.running.live import Change, Condition, Inputs, Pace, refuse_two_names
 from orchestration.running.session import Stepping
 from orchestration.system import System, Value
 
@@ -144,6 +145,7 @@ def run(
         where=where,
         guard=guard,
     )
+    refuse_two_names(system, course.changes)
     if adaptive is not None:
         others: dict[str, Any] = {"record_every": record_every > 1, "until": until, "real_time": real_time}
         others |= {"inputs": inputs, "changes": changes, "checkpoint": checkpoint, "resume": resume}
@@ -169,6 +171,7 @@ def run(
         **({"solve_loops": asdict(solve_loops)} if solve_loops is not None else {}),
     }
     manifest = make_manifest(system, fmi_version, settings)
+    manifest["warnings"] += changed_outside_range(system, changes, course.inputs)
     if journal is not None:
         journal.begin(system, grid, manifest, first, record_every)
     states: Floats = np.empty((grid.steps + 1, 0))

@@ -55,11 +55,19 @@ def read_table(path: Path, *, header: bool) -> tuple[list[str], Floats]:
     return names, table
 
 
+_DIGITS = 25  # of the integers that are kept: more than any type of FMI has
+
+
 def whole_column(path: Path, column: int) -> NDArray[Any]:
     """Return one column of a table that `read_table` has read, with integers as they are, not rounded to doubles."""
     with path.open(newline="", encoding="utf-8-sig") as file:
         cells = [Decimal(row[column].strip()) for row in list(filter(None, csv.reader(file)))[1:]]
-    return np.array([int(cell) if cell.is_finite() and cell == int(cell) else float(cell) for cell in cells])
+    return np.array(
+        [
+            int(cell) if cell.is_finite() and cell.adjusted() < _DIGITS and cell == int(cell) else float(cell)
+            for cell in cells
+        ]
+    )
 
 
 def _is_number(text: str) -> bool:

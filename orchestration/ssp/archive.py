@@ -49,9 +49,17 @@ class SspArchive(Archive):
 
     def structure(self, name: str) -> str:
         """Return the name of a system structure; AdcsError with those there are if it is not there."""
-        if name not in self.names:
-            raise AdcsError(f"it has no system structure {name!r}: choose one of {', '.join(self.structures)}")
+        if name not in self.names or not name.endswith(".ssd"):
+            choices = ", ".join(filter(self._readable, self.names)) or "none, as there is no other"
+            raise AdcsError(f"it has no system structure {name!r}: choose one of {choices}")
         return name
+
+    def _readable(self, name: str) -> bool:
+        """Whether a member is a system structure that can be read, in whatever folder."""
+        try:
+            return name.endswith(".ssd") and self.document(name, "ssd") is not None
+        except AdcsError:
+            return False
 
     def close(self) -> None:
         """Close the file, and those opened inside it."""

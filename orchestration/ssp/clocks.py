@@ -13,6 +13,7 @@ from lxml import etree
 from fmus.errors import AdcsError
 from orchestration.fmu.description import TIME_BASED, Clock
 
+_STEADY = ("constant", "fixed")
 _SAME = 1e-6  # relative: a decimal stands where the FMU may have a fraction, and few write all digits of one
 
 
@@ -40,8 +41,7 @@ class ClockType:
 
     def holds_with(self, other: ClockType) -> bool:
         """Whether two clocks that tick by themselves are known to tick together."""
-        periodic = ("constant", "fixed")
-        if self.interval is None or other.interval is None or self.kind != other.kind or self.kind not in periodic:
+        if self.interval is None or other.interval is None or self.kind != other.kind or self.kind not in _STEADY:
             return False
         return _same(self.interval, other.interval) and _same(self.shift or 0.0, other.shift or 0.0)
 
@@ -76,6 +76,11 @@ def check_clock(said: ClockType, clock: Clock, where: str) -> None:
         raise AdcsError(f"{where} is a clock of kind {said.kind!r}, the FMU's is {own.kind!r}: correct it")
     if not own.timed:
         return
+    if said.interval is not None and own.interval is None and own.kind not in _STEADY:
+        raise AdcsError(
+            f"{where} is a clock whose interval is {float(said.interval):g} s, and the FMU's is {own.kind}, which it "
+            "says only while it runs: leave the interval out"
+        )
     for what, here, there in (("interval", said.interval, own.interval), ("shift", said.shift, own.shift)):
         if here is not None and there is not None and own.interval is not None and not _same(here, there):
             raise AdcsError(

@@ -101,7 +101,11 @@ class Part:
         """Check that each connector is a variable of the FMU, of the same kind, type and unit; not yet of its size."""
         name, kind = self.element.name, self.element.implementation
         if kind != "any":
-            self.fmu.interface("co-simulation" if kind == "CoSimulation" else "model-exchange")
+            model = self.fmu.model
+            if (model.coSimulation if kind == "CoSimulation" else model.modelExchange) is None:
+                raise AdcsError(
+                    f"implementation {kind!r}, which {self.member} does not have: correct it, or leave it out"
+                )
         for connector in self.element.connectors.values():
             where = f"connector {name}.{connector.name}"
             if connector.name not in self.variables:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import foreign_fmus
 import mocks
@@ -25,9 +26,16 @@ def mock(mock_folder: Path) -> Mock:
 
 @pytest.fixture(scope="session")
 def foreign(tmp_path_factory: pytest.TempPathFactory) -> Mock:
-    """foreign("sizes", "3.0") -> path of the FMU."""
+    """foreign("sizes", "3.0") -> path of the FMU; one with other settings needs a `name` of its own."""
     folder = tmp_path_factory.mktemp("foreign")
-    return lambda model, version="3.0", **settings: foreign_fmus.build(model, folder, version, **settings)
+    made: dict[Path, object] = {}
+
+    def make(model: str, version: str = "3.0", **settings: Any) -> Path:
+        path = foreign_fmus.build(model, folder, version, **settings)
+        assert made.setdefault(path, settings) == settings
+        return path
+
+    return make
 
 
 @pytest.fixture(params=["2.0", "3.0"])

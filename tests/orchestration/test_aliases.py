@@ -98,6 +98,21 @@ def test_start_values_on_the_command_line(names):
         assign(system, ["names.uu=1,2", "names.u=1,2"])
 
 
+def test_changes_at_one_time(names):
+    for second in ("names.u", "names.uu"):
+        changes = [(0.1, "names.u", [1.0, 2.0]), (0.2 if second == "names.uu" else 0.1, second, [3.0, 4.0])]
+        assert run(single(names()), stop_time=0.2, step=0.1, changes=changes)["names.y"][-1].tolist() == [3.0, 4.0]
+    with pytest.raises(
+        AdcsError, match=r"^the changes of names\.u and names\.uu at one time are for two names of one v"
+    ):
+        run(
+            single(names()),
+            stop_time=0.2,
+            step=0.1,
+            changes=[(0.1, "names.u", [1.0, 2.0]), (0.1, "names.uu", [3.0, 4.0])],
+        )
+
+
 def test_a_start_value_and_a_connection(names, ramp):
     system = chain(names(), ramp, into="u")
     with pytest.raises(AdcsError, match=r"^b\.uu is connected to a\.y: a start value would have no effect$"):

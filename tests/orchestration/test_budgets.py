@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import tracemalloc
-from collections.abc import Callable
-from pathlib import Path
 
 import event_fmus
-import foreign_fmus
 import numpy as np
 import pytest
 
@@ -18,12 +15,6 @@ from orchestration.instances import stepping
 from orchestration.running.live import Pace
 
 ME = {"method": "model-exchange"}
-
-
-@pytest.fixture(scope="session")
-def foreign(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
-    folder = tmp_path_factory.mktemp("budgets")
-    return lambda model, version="3.0", **settings: foreign_fmus.build(model, folder, version, **settings)
 
 
 def alone(fmu, start=None):

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import event_fmus
-import foreign_fmus
 import pytest
 
 from adcs import AdcsError, RunFailed, Session, System, linearize, run, steps
@@ -21,12 +20,6 @@ STEPPINGS = ("compiled", "python")
 TAKEN, DISCARDED, EARLY, TAKEN_BY_DISCARD = 0, 1, 2, 3
 ME = {"method": "model-exchange"}
 Foreign = Callable[..., Path]
-
-
-@pytest.fixture(scope="session")
-def foreign(tmp_path_factory: pytest.TempPathFactory) -> Foreign:
-    folder = tmp_path_factory.mktemp("ends")
-    return lambda model, version="3.0", **settings: foreign_fmus.build(model, folder, version, **settings)
 
 
 @pytest.fixture(scope="session")
@@ -97,6 +90,18 @@ def test_in_the_midst_of_a_step(foreign, stepping, declared):
     result = run(system, stop_time=1.0, step=0.125, stepping=stepping)
     assert result.time.tolist() == [0.0, 0.125, 0.25, 0.375]
     assert ended(result)["time"] == 0.4375
+
+
+@pytest.mark.parametrize("stepping", STEPPINGS)
+@pytest.mark.parametrize("declared", [None, "true"])
+def test_an_end_at_a_time_before_its_step(foreign, stepping, declared):
+    """One that may return early is refused for the time only."""
+    fmu = foreign("quitter", name=f"early_{declared}", mightReturnEarlyFromDoStep=declared)
+    system = pair(fmu, {"at": 0.5, "how": EARLY, "reached": -1.0})
+    with pytest.raises(RunFailed) as error:
+        run(system, stop_time=1.0, step=0.125, stepping=stepping)
+    why = "is not within its step from 0.375 to 0.5 s" if declared else "was not allowed"
+    assert f", which {why}" in str(error.value)
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)

@@ -24,12 +24,6 @@ STEPPINGS = ("compiled", "python")
 Foreign = Callable[..., Path]
 
 
-@pytest.fixture(scope="session")
-def foreign(tmp_path_factory: pytest.TempPathFactory) -> Foreign:
-    folder = tmp_path_factory.mktemp("foreign")
-    return lambda model, version="3.0", **settings: foreign_fmus.build(model, folder, version, **settings)
-
-
 def alone(fmu, start=None):
     system = System("alone")
     system.add("c", fmu, start)

@@ -25,12 +25,6 @@ EXTREMES = {
 }
 
 
-@pytest.fixture(scope="session")
-def foreign(tmp_path_factory: pytest.TempPathFactory) -> Foreign:
-    folder = tmp_path_factory.mktemp("typed")
-    return lambda model, version="3.0", **settings: foreign_fmus.build(model, folder, version, **settings)
-
-
 def alone(fmu, start):
     system = System("alone")
     system.add("c", fmu, start)

@@ -400,3 +400,10 @@ def test_an_ssp_file_is_linearised_like_its_system(tmp_path):
     found = linearize(pd_at_rest())
     order = [content["states"].index(name) for name in found.states]
     assert np.abs(np.array(content["A"])[np.ix_(order, order)] - found.A).max() < 1e-14
+
+
+def test_an_fmu_for_co_simulation_only_has_no_derivatives(foreign):
+    with pytest.raises(
+        AdcsError, match=r"^names \(names.*\.fmu\) is for co-simulation only, .*: export it for Model Ex"
+    ):
+        linearize(foreign("names"))

@@ -149,6 +149,10 @@ def test_the_limit_is_exact_in_tables(types, tmp_path, cell):
     with pytest.raises(AdcsError, match=rf"^inputs: c\.u_Int64 = -?{FIRST} at 0 s is beyond 2\^53"):
         given(types, tmp_path, "table", "Int64", cell)
     assert given(types, tmp_path, "table", "Int64", 2**53) == 2**53
+    with pytest.raises(AdcsError, match=rf"^inputs: c\.u_UInt64 = {2**64 - 1} at 0 s is beyond 2\^53"):
+        given(types, tmp_path, "table", "UInt64", 2**64 - 1)
+    with pytest.raises(AdcsError, match=r"^inputs: c\.u_UInt64 = 1e\+300 at 0 s is outside the range of UInt64"):
+        given(types, tmp_path, "table", "UInt64", 1e300)
     times = np.array([0.0])
     with pytest.raises(AdcsError, match=rf"c\.u_UInt64 = {FIRST} at 0 s is beyond"):
         Inputs(alone(types), times, {"c.u_UInt64": np.array([FIRST])})

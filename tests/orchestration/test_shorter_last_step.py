@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable
-from pathlib import Path
 
-import foreign_fmus
 import mocks
 import numpy as np
 import pytest
@@ -19,12 +16,6 @@ from hil_bridge.hil.flying import check
 
 STEPPINGS = ("compiled", "python")
 ME = {"method": "model-exchange"}
-
-
-@pytest.fixture(scope="session")
-def foreign(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
-    folder = tmp_path_factory.mktemp("shorter")
-    return lambda model, version="3.0", **settings: foreign_fmus.build(model, folder, version, **settings)
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
@@ -62,12 +53,12 @@ def test_the_same_bits_before_it(chain):
 
 def test_where_it_may_not_be_the_component_is_named(foreign):
     system = System("alone")
-    system.add("c", foreign("rigid_clock", canHandleVariableCommunicationStepSize=None))
+    system.add("c", foreign("rigid_clock", name="rigid", canHandleVariableCommunicationStepSize=None))
     with pytest.raises(AdcsError) as error:
         run(system, stop_time=1.3, step=0.25)
     assert str(error.value) == (
         "stop_time = 1.3 s is not a whole number of steps of 0.25 s after start_time = 0.0 s, and c "
-        "(rigid_clock.fmi3.fmu) takes no shorter last one (canHandleVariableCommunicationStepSize is not true): use "
+        "(rigid.fmi3.fmu) takes no shorter last one (canHandleVariableCommunicationStepSize is not true): use "
         "1.25 or 1.5 s"
     )
 

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import ulp
-from pathlib import Path
 
 import event_fmus
-import foreign_fmus
 import numpy as np
 import pytest
 
@@ -28,12 +25,6 @@ TIMES = [
     (-1e5, -1e5 + 3, 0.1),
     (0.0, 3e5, 30.0),
 ]
-
-
-@pytest.fixture(scope="session")
-def foreign(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
-    folder = tmp_path_factory.mktemp("punctual")
-    return lambda model, version="3.0", **settings: foreign_fmus.build(model, folder, version, **settings)
 
 
 def alone(fmu, start=None, every=1):

@@ -19,12 +19,6 @@ from orchestration.system import checked_value
 Foreign = Callable[..., Path]
 
 
-@pytest.fixture(scope="module")
-def foreign(tmp_path_factory: pytest.TempPathFactory) -> Foreign:
-    folder = tmp_path_factory.mktemp("arrays")
-    return lambda model, version="3.0": foreign_fmus.build(model, folder, version)
-
-
 def taken(foreign: Foreign, name: str, text: str, shape: tuple[int, ...] | None = None) -> Any:
     """What a text gives for a variable of the model "types", which has another shape if one is given."""
     fmu = open_fmu(foreign("types"))

@@ -14,6 +14,7 @@ VARIABLES = [
         "third", "input", "Clock", interval='"fixed" resolution="3" intervalCounter="1" intervalDecimal="0.3333333"'
     ),
     Variable("asked", "input", "Clock", interval='"fixed"'),
+    Variable("varied", "input", "Clock", interval='"tunable"'),
     Variable("alarm", "input", "Clock", interval='"countdown"'),
     Variable("heard", "input", "Clock", interval='"triggered"'),
     Variable("tick", "output", "Clock", interval='"triggered"'),
@@ -112,6 +113,11 @@ REFUSED = {
     "another interval": (
         elements(clocked("a", pin("input", "slow", 'intervalDecimal="0.5"'))),
         "connector a.slow is a clock whose interval is 0.5 s, that of the FMU's 0.25 s: correct it",
+    ),
+    "an interval that changes as it runs": (
+        elements(clocked("a", pin("input", "varied", 'intervalVariability="tunable" intervalDecimal="0.5"'))),
+        "connector a.varied is a clock whose interval is 0.5 s, and the FMU's is tunable, which it says only while it "
+        "runs: leave the interval out",
     ),
     "another shift": (
         elements(clocked("a", pin("input", "slow", 'shiftDecimal="0"'))),

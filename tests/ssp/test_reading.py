@@ -20,7 +20,7 @@ from packages import (
     system,
 )
 
-from adcs import read_ssp
+from adcs import AdcsError, read_ssp
 
 SENDER = "output y Real m; output far Real km; output angle Real deg; output plain Real; output yes; output n Integer"
 RECEIVER = "input u Real m; input angle Real rad; input plain Real; input on Boolean; input n Integer; output z Real m"
@@ -471,6 +471,19 @@ def test_other_structures_in_the_archive(package):
     path = package(ssd(elements(component("b"))), None, {"Variant.ssd": other})
     assert list(read_ssp(path).system.components) == ["b"]
     assert list(read_ssp(path, structure="Variant.ssd").system.components) == ["x"]
+
+
+def test_structures_to_choose_from_are_those_that_can_be_read(package):
+    other = ssd(elements(component("x", source="../resources/b.fmu")))
+    files = {"sub/Deep one.ssd": other, "broken.ssd": "<ssd:System"}
+    path = package(ssd(elements(component("b"))), None, files)
+    assert list(read_ssp(path, structure="sub/Deep one.ssd").system.components) == ["x"]
+    for name in ("resources/b.fmu", "x.ssd"):
+        with pytest.raises(AdcsError) as error:
+            read_ssp(path, structure=name)
+        text = str(error.value).partition(": ")[2]
+        assert text.startswith(f"it has no system structure '{name}': choose one of ")
+        assert set(text.rpartition(" one of ")[2].split(", ")) == {"SystemStructure.ssd", "sub/Deep one.ssd"}
 
 
 def test_comments_and_instructions_do_no_harm(package):

@@ -131,7 +131,10 @@ STRUCTURES = {
         GOOD.replace('name="a" ', 'name="a" type="text/x-modelica" '),
         "component a has the type 'text/x-modelica', which is not supported: only FMUs and SSP systems are",
     ),
-    "implementation": (GOOD.replace('name="a" ', 'name="a" implementation="ModelExchange" '), "component a: "),
+    "implementation": (
+        GOOD.replace('name="a" ', 'name="a" implementation="ModelExchange" '),
+        "component a: implementation 'ModelExchange', which resources/a.fmu does not have: correct it, or leave it out",
+    ),
     "signal dictionary": (
         elements(A, '<ssd:SignalDictionaryReference name="d" dictionary="x"/>'),
         "d is a SignalDictionaryReference, which is not supported: connect the components directly",

@@ -64,7 +64,8 @@ def test_one_that_is_not_there(name, theirs):
     with pytest.raises(AdcsError) as error:
         read_ssp(f"{theirs}#{name}")
     assert str(error.value) == (
-        f"test.ssp: it has no system structure {name!r}: choose one of SystemStructure.ssd, Large.ssd, Small Scale.ssd"
+        f"test.ssp: it has no system structure {name!r}: choose one of SystemStructure.ssd, Large.ssd, "
+        "Small Scale.ssd, resources/x.ssd"
     )
 
 

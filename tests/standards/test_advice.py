@@ -36,6 +36,20 @@ def test_a_start_value_outside_min_and_max_is_a_warning(tmp_path, version):
     assert run(system, stop_time=0.1, step=0.1).manifest["warnings"] == []
 
 
+@pytest.mark.parametrize("way", ["changes", "inputs"])
+def test_what_is_set_during_a_run_outside_min_and_max_is_a_warning(tmp_path, way):
+    system = at_rest(controller(tmp_path, "3.0", (r'(<Float64 name="omega_BN_B")( )', r'\1 max="2"\2')))
+    warning = "c.omega_BN_B[2] = 3 at 0.1 s is outside of the range its FMU is made for, -inf to 2"
+    if way == "changes":
+        settings = {"changes": [(0.1, "c.omega_BN_B", [0.0, 3.0, 0.0]), (0.2, "c.omega_BN_B", [0.0, 2.0, 0.0])]}
+    else:
+        table = tmp_path / "inputs.csv"
+        names = ",".join(f"c.omega_BN_B[{i}]" for i in (1, 2, 3))
+        table.write_text(f"time,{names}\n0,0,2,0\n0.1,0,3,0\n0.2,0,4,0\n")
+        settings = {"inputs": table}
+    assert run(system, stop_time=0.2, step=0.1, **settings).manifest["warnings"] == [warning]
+
+
 @pytest.mark.parametrize(
     ("internal", "step", "warned"),
     [(0.05, 0.1, False), (0.03, 0.1, True), (0.2, 0.1, True), ("1e-320", 0.1, False), ("INF", 0.1, False)],

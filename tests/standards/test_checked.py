@@ -6,10 +6,11 @@ import zipfile
 import pytest
 
 import fmus
-from adcs import AdcsError, read_ssp
+from adcs import AdcsError, System, read_ssp, run
 from adcs.catalogue import find_system
 from fmus.check import check
 from orchestration.fmu.file import open_fmu
+from orchestration.single import single
 
 from .small import changed, description2, description3, packed
 
@@ -112,3 +113,123 @@ def test_a_system_has_the_description_of_the_document(tmp_path):
             archive.writestr("SystemStructure.ssd", text)
         described.append(read_ssp(tmp_path / "s.ssp").system.description)
     assert described == ["all", "own"]
+
+
+def described(version, kind, own, of_type="", inner=""):
+    """A description with a variable v of a type T."""
+    if version == "3.0":
+        variable = f'<{kind} name="v" valueReference="1" declaredType="T" {own}/>'
+        return description3(variable, f'<{kind}Type name="T" {of_type}>{inner}</{kind}Type>')
+    variable = f'<ScalarVariable name="v" valueReference="1"><{kind} declaredType="T" {own}/></ScalarVariable>'
+    return description2(variable, f'<SimpleType name="T"><{kind} {of_type}>{inner}</{kind}></SimpleType>')
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+@pytest.mark.parametrize(
+    ("said", "message"),
+    [
+        ('nominal="0"', "nominal 0, expected a positive number"),
+        ('nominal="-2"', "nominal -2, expected a positive number"),
+        ('nominal="NaN"', "nominal NaN, expected a positive number"),
+        ('min="3" max="2"', "min 3 is above max 2"),
+        ('min="NaN"', "min is not a number"),
+    ],
+)
+def test_ranges_and_nominals_that_make_no_sense(tmp_path, version, said, message):
+    kind = "Float64" if version == "3.0" else "Real"
+    for own, of_type, name in ((said, "", "v"), ("", said, "type T")):
+        texts = found(packed(tmp_path / "c.fmu", described(version, kind, own, of_type))).split(" | ")
+        assert [text for text in texts if message in text] == [f"{name}: {message}"]
+    fine = found(packed(tmp_path / "c.fmu", described(version, kind, 'nominal="2" min="-1" max="-1"')))
+    assert "nominal" not in fine
+    assert "max" not in fine
+
+
+def test_a_range_of_which_the_type_has_one_bound(tmp_path):
+    text = found(packed(tmp_path / "c.fmu", described("3.0", "Int8", 'max="2"', 'min="3"')))
+    assert text.count("v: min 3 is above max 2") == text.count("min 3") == 1
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_items_of_an_enumeration_differ(tmp_path, version):
+    items = '<Item name="a" value="1"/><Item name="a" value="2"/><Item name="b" value="2"/>'
+    text = found(packed(tmp_path / "c.fmu", described(version, "Enumeration", "", inner=items)))
+    assert text.count("type T: 2 items have the name a") == text.count("type T: 2 items have the value 2") == 1
+
+
+def test_binary_start_values_are_no_longer_than_they_may_be(tmp_path):
+    text = '<Binary name="v" valueReference="1" maxSize="2" causality="parameter" variability="fixed">{}</Binary>'
+    for value, long in (("0a0b", False), ("0a0b0c", True)):
+        path = packed(tmp_path / "c.fmu", description3(text.format(f'<Start value="{value}"/>')))
+        assert ("v: start has 3 bytes, its maxSize is 2" in found(path)) == long
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_units_have_factors_and_unused_types_have_units(tmp_path, version):
+    units = '<Unit name="K"><BaseUnit K="1" factor="0"/><DisplayUnit name="mK" factor="0"/></Unit>'
+    said = found(packed(tmp_path / "c.fmu", (description3 if version == "3.0" else description2)("", units=units)))
+    assert "unit K: its base unit has the factor 0" in said
+    assert "unit K: its display unit mK has the factor 0" in said
+    unused = (
+        '<Float64Type name="T" unit="W"/>' if version == "3.0" else '<SimpleType name="T"><Real unit="W"/></SimpleType>'
+    )
+    said = found(packed(tmp_path / "c.fmu", (description3 if version == "3.0" else description2)("", unused)))
+    assert said.count("unit W is not defined") == said.count("type T: unit W is not defined") == 1
+
+
+def test_stream_members_of_a_terminal_are_variables(tmp_path):
+    member = (
+        '<TerminalStreamMemberVariable inStreamMemberName="a" outStreamMemberName="b" '
+        'inStreamVariableName="time" outStreamVariableName="gone"/>'
+    )
+    terminal = f'<Terminals><Terminal name="t" matchingRule="bus">{member}</Terminal></Terminals>'
+    path = tmp_path / "c.fmu"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", description3(""))
+        document = f'<fmiTerminalsAndIcons fmiVersion="3.0">{terminal}</fmiTerminalsAndIcons>'
+        archive.writestr("terminalsAndIcons/terminalsAndIcons.xml", document)
+    assert "line 1: outStreamVariableName gone is no variable" in found(path)
+    assert "inStreamVariableName time" not in found(path)
+
+
+def test_start_values_that_the_type_does_not_hold(tmp_path):
+    variable = '<Float32 name="p" valueReference="1" causality="parameter" variability="fixed" start="1e300"/>'
+    path = packed(tmp_path / "c.fmu", description3(variable))
+    assert found(path).count("p: start 1e300 is outside the range of Float32") == 1
+    system = System("s")
+    system.add("c", path)
+    with pytest.raises(AdcsError) as error:
+        system.check()
+    assert str(error.value) == (
+        "c.p = 1e+300 by its FMU is outside the range of Float32: give it another value (--set c.p=...)"
+    )
+    system.set("c.p", 1.0)
+    system.check()
+
+
+@pytest.mark.parametrize("value", ["INF", "NaN"])
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_start_values_that_are_not_finite(tmp_path, version, value):
+    tag = r'(name="k_p"[^/]*?) start="[^"]*"'
+    path = changed(fmus.fmu_path("PdTracking", version), tmp_path / "c.fmu", (tag, rf'\1 start="{value}"'))
+    with pytest.raises(AdcsError, match=r"^c\.k_p = (inf|nan) by its FMU is not finite: give it another value \(--set"):
+        run(single(path), stop_time=0.1, step=0.1)
+
+
+def test_arrays_with_the_same_elements_in_another_order(tmp_path):
+    names = [("a[1]", 1), ("a[2]", 2), ("b[1]", 2), ("b[2]", 1)]
+    variables = "".join(
+        f'<ScalarVariable name="{n}" valueReference="{r}" causality="input"><Real start="0"/></ScalarVariable>'
+        for n, r in names
+    )
+    path = packed(tmp_path / "c.fmu", description2(variables))
+    with pytest.raises(AdcsError, match=r"^c\.a and c\.b are names of one variable, and are given different start"):
+        System("s").add("c", path, {"a": [1.0, 2.0], "b": [1.0, 2.0]})
+    system = System("s")
+    system.add("c", path, {"a": [1.0, 2.0], "b": [2.0, 1.0]})
+    system.set("c.b", [3.0, 4.0])
+    assert system.components["c"].start == {"a": (4.0, 3.0), "b": (3.0, 4.0)}
+    assert single(path, {"b": [3.0, 4.0]}).components["c"].start == {"b": (3.0, 4.0)}
+    system = System("s")
+    system.add("c", path, {"b": [3.0, 4.0]})
+    system.check()

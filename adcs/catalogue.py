@@ -8,9 +8,10 @@ from importlib import import_module
 
 from adcs import library
 from adcs.library.entry import StudyEntry
+from fmus import paths
 from fmus.errors import AdcsError
 from orchestration.entry import SystemEntry
-from orchestration.from_file import is_file, system_from_file
+from orchestration.from_file import component_alone, is_file, system_from_file
 
 # Each folder of `library` brings its own, in its module `catalogue`.
 _BROUGHT = [
@@ -33,11 +34,13 @@ def studies() -> dict[str, StudyEntry]:
 
 
 def find_system(name: str) -> SystemEntry:
-    """Return what a name or the path of a file stands for; AdcsError with the names there are if it is neither."""
+    """Return what the name of a system or component, or the path of a file, stands for; AdcsError if it is no such."""
     if is_file(name):
         return system_from_file(name)
     if name not in SYSTEMS:
+        if any((paths.DIST / f"{name}{version}.fmu").is_file() for version in ("", ".fmi3")):
+            return component_alone(name)
         close = get_close_matches(name, SYSTEMS, 3, 0.5)
         hint = f"did you mean {' or '.join(close)}" if close else f"choose one of {', '.join(SYSTEMS)}"
-        raise AdcsError(f"no system {name!r}: {hint}, or give an .ssp or .fmu file")
+        raise AdcsError(f"no system {name!r}: {hint}, or give a built component (`adcs list`), an .ssp or .fmu file")
     return SYSTEMS[name]

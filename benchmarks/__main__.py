@@ -5,7 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
+import cyclopts
+from cyclopts import Parameter
+from cyclopts.validators import Number
 from rich.console import Console
 from rich.progress import track
 
@@ -15,9 +17,13 @@ from benchmarks.variants import VARIANTS
 
 
 def main(
-    rounds: Annotated[int, typer.Option(min=1, help="Interleaved rounds, of which medians are taken.")] = 9,
-    steps: Annotated[int, typer.Option(min=1000, help="Steps of the fastest loops in each round.")] = 200_000,
-    output: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("results/benchmarks"),
+    rounds: Annotated[
+        int, Parameter(validator=Number(gte=1), help="Interleaved rounds, of which medians are taken.")
+    ] = 9,
+    steps: Annotated[
+        int, Parameter(validator=Number(gte=1000), help="Steps of the fastest loops in each round.")
+    ] = 200_000,
+    output: Annotated[Path, Parameter(help="Folder for the results.")] = Path("results/benchmarks"),
 ) -> None:
     """Time one exchange step in different ways, and the whole against Basilisk. CPU time, not wall time."""
     console = Console()
@@ -41,4 +47,4 @@ def main(
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    cyclopts.run(main)

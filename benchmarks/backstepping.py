@@ -9,7 +9,9 @@ from pathlib import Path
 from statistics import median
 from typing import Annotated
 
-import typer
+import cyclopts
+from cyclopts import Parameter
+from cyclopts.validators import Number
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
@@ -45,8 +47,8 @@ def measure_round(stop_time: float = STOP_TIME) -> Round:
 
 
 def main(
-    rounds: Annotated[int, typer.Option(min=1, help="Rounds, of which medians are taken.")] = 5,
-    output: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("results/benchmarks"),
+    rounds: Annotated[int, Parameter(validator=Number(gte=1), help="Rounds, of which medians are taken.")] = 5,
+    output: Annotated[Path, Parameter(help="Folder for the results.")] = Path("results/benchmarks"),
 ) -> None:
     """Simulated seconds per CPU second of the five controllers in four scenarios: plant at 100 Hz, control at 10 Hz."""
     console = Console()
@@ -72,4 +74,4 @@ def main(
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    cyclopts.run(main)

@@ -9,7 +9,9 @@ from pathlib import Path
 from statistics import median
 from typing import Annotated
 
-import typer
+import cyclopts
+from cyclopts import Parameter
+from cyclopts.validators import Number
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
@@ -40,8 +42,8 @@ def measure_round() -> dict[str, Times]:
 
 
 def main(
-    rounds: Annotated[int, typer.Option(min=1, help="Rounds, of which medians are taken.")] = 7,
-    output: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("results/benchmarks"),
+    rounds: Annotated[int, Parameter(validator=Number(gte=1), help="Rounds, of which medians are taken.")] = 7,
+    output: Annotated[Path, Parameter(help="Folder for the results.")] = Path("results/benchmarks"),
 ) -> None:
     """CPU time per call, and its ratio to the C library's within a round."""
     console = Console()
@@ -66,4 +68,4 @@ def main(
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    cyclopts.run(main)

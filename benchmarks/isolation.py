@@ -8,8 +8,10 @@ from statistics import median
 from tempfile import TemporaryDirectory
 from typing import Annotated, Any
 
+import cyclopts
 import numpy as np
-import typer
+from cyclopts import Parameter
+from cyclopts.validators import Number
 from rich.console import Console
 from rich.table import Table
 
@@ -61,7 +63,7 @@ def start() -> float:
     return taken[1] - taken[0]
 
 
-def main(rounds: Annotated[int, typer.Option(min=1, help="Interleaved rounds.")] = 9) -> None:
+def main(rounds: Annotated[int, Parameter(validator=Number(gte=1), help="Interleaved rounds.")] = 9) -> None:
     """Compare both kinds of rows, in rounds that take turns, and time the start of another process."""
     measured = [(step_in_memory(), step_in_journal(), start()) for _ in range(rounds)]
     memory, journal, starts = (np.array(column) for column in zip(*measured, strict=True))
@@ -76,4 +78,4 @@ def main(rounds: Annotated[int, typer.Option(min=1, help="Interleaved rounds.")]
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    cyclopts.run(main)

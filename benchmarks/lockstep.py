@@ -11,7 +11,9 @@ from pathlib import Path
 from statistics import median
 from typing import Annotated
 
-import typer
+import cyclopts
+from cyclopts import Parameter
+from cyclopts.validators import Number
 from pymavlink.dialects.v20 import common as mavlink
 from rich.console import Console
 from rich.progress import track
@@ -66,10 +68,10 @@ def answer(port: int) -> None:
 
 
 def main(
-    rounds: Annotated[int, typer.Option(min=1, help="Rounds, of which medians are taken.")] = 5,
-    points: Annotated[int, typer.Option(min=10, help="Points of each round.")] = 5000,
-    output: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("results/benchmarks"),
-    answer_port: Annotated[int | None, typer.Option("--answer", hidden=True)] = None,
+    rounds: Annotated[int, Parameter(validator=Number(gte=1), help="Rounds, of which medians are taken.")] = 5,
+    points: Annotated[int, Parameter(validator=Number(gte=10), help="Points of each round.")] = 5000,
+    output: Annotated[Path, Parameter(help="Folder for the results.")] = Path("results/benchmarks"),
+    answer_port: Annotated[int | None, Parameter(name="--answer", show=False)] = None,
 ) -> None:
     """Time the exchange of sensors and controls, point by point."""
     if answer_port is not None:
@@ -94,4 +96,4 @@ def main(
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    cyclopts.run(main)

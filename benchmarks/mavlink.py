@@ -16,13 +16,14 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from adcs import Session
 from adcs.catalogue import SYSTEMS
-from adcs.cli.ground_tools import Options, attached
+from adcs.cli.ground_tools import attached
+from adcs.cli.options import GroundTools
 from hil_bridge.ground.security import Codec
 from hil_bridge.ground.settings import Settings, Snapshot
 from hil_bridge.ground.state import Scene
 from hil_bridge.ground.telemetry import Report
 from orchestration.grid import Grid
-from orchestration.running.live import Pace
+from orchestration.running.hooks.pace import Clock
 
 _STATIONS, _RATE = 16, 250.0
 
@@ -71,11 +72,11 @@ def crowd(seconds: float) -> dict[str, float]:
     for thread in threads:
         thread.start()
     places = [f"udpout:127.0.0.1:{s.getsockname()[1]}" for s in sockets]
-    options = Options(places, rates=[f"ATTITUDE_QUATERNION={_RATE}", f"ATTITUDE={_RATE}"])
+    options = GroundTools(to=tuple(places), rate=(f"ATTITUDE_QUATERNION={_RATE}", f"ATTITUDE={_RATE}"))
     system = SYSTEMS["full-state-pd"].build()
     step = 1 / _RATE
     watcher = attached(system, options, step=step)
-    pace = Pace(Grid(0.0, step, 0))
+    pace = Clock(Grid(0.0, step, 0))
     spent = 0.0
     with Session(system, step=step, steps=round(seconds * _RATE)) as simulation, watcher:
         pace.start(0)

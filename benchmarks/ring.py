@@ -9,7 +9,9 @@ from pathlib import Path
 from statistics import median
 from typing import Annotated
 
-import typer
+import cyclopts
+from cyclopts import Parameter
+from cyclopts.validators import Number
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
@@ -55,9 +57,13 @@ def measure(n: int, component_steps: int) -> Cost:
 
 
 def main(
-    rounds: Annotated[int, typer.Option(min=1, help="Interleaved rounds, of which medians are taken.")] = 5,
-    component_steps: Annotated[int, typer.Option(min=1000, help="Steps of single bodies for each size.")] = 300_000,
-    output: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("results/benchmarks"),
+    rounds: Annotated[
+        int, Parameter(validator=Number(gte=1), help="Interleaved rounds, of which medians are taken.")
+    ] = 5,
+    component_steps: Annotated[
+        int, Parameter(validator=Number(gte=1000), help="Steps of single bodies for each size.")
+    ] = 300_000,
+    output: Annotated[Path, Parameter(help="Folder for the results.")] = Path("results/benchmarks"),
 ) -> None:
     """Time one exchange step of rings of several sizes. CPU time, not wall time."""
     console = Console()
@@ -84,4 +90,4 @@ def main(
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    cyclopts.run(main)

@@ -17,6 +17,13 @@ _ENCODINGS = {
     "windows-1252": "cp1252",
 }
 """Names in an XML declaration -> codecs. Others could hide a document type declaration."""
+_LIMITS = {
+    "Excessive depth": "elements nested more than 256 deep",
+    "Name too long": "a name of more than 50000 bytes",
+    "too big": "a comment, instruction or CDATA section of more than 10 MB",
+    "Resource limit exceeded": "a text, name or attribute of more than 10 MB",
+}
+"""What the messages of libxml2 hold -> the limit that it has. Its own words advise an option that users have not."""
 _DECLARED = re.compile(rb"""<\?xml[^>]{0,100}?\bencoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
 
 
@@ -46,6 +53,9 @@ def parse(content: bytes, name: str, *, utf8_only: bool = False, bare: bool = Fa
         return etree.fromstring(text.encode(), parser)
     except (etree.XMLSyntaxError, ValueError) as error:
         line = " ".join(str(error).split())
+        beyond = next((what for sign, what in _LIMITS.items() if sign in line), None)
+        if beyond is not None:
+            raise AdcsError(f"{name} has {beyond}: refused, make it smaller") from None
         raise AdcsError(f"{name} is not well-formed XML ({line}): correct it") from None
 
 

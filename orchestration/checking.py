@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import get_args
 
 from fmus.check import Finding
 from fmus.check import check as check_file
@@ -15,15 +16,16 @@ from orchestration.entry import SystemEntry
 from orchestration.fmu.file import Fmu, Kind, open_fmu
 from orchestration.from_file import system_from_file
 from orchestration.grid import Grid
-from orchestration.running.cosim import rigid
 from orchestration.running.run import run
+from orchestration.running.session import rigid
 
+_RUN_BY = "a run by "
 _UNREAD = "modelDescription.xml cannot be read: "
 
 
 def check(path: Path | str) -> list[Finding]:
     """Everything found in the FMU at `path` that `fmus.check` or a run finds; empty if it is fine."""
-    findings = check_file(path, lambda p: check_behaviour(p, __name__))
+    findings = check_file(path, lambda p: (_with_call(p, finding) for finding in check_behaviour(p, __name__)))
     try:
         open_fmu(Path(path))
     except AdcsError as error:
@@ -33,6 +35,19 @@ def check(path: Path | str) -> list[Finding]:
             return found
         return [*found, Finding("run", text, "note" if isinstance(error, Unsupported) else "fault")]
     return findings
+
+
+def _with_call(path: Path, finding: str) -> str:
+    """Name the call in which a run ended its process, which a run in one of its own tells."""
+    for kind in get_args(Kind):
+        if finding.startswith(f"{_RUN_BY}{kind} ended the process"):
+            try:
+                entry = system_from_file(str(path))
+                end = entry.start_time + entry.step
+                run(entry.built(), stop_time=end, method=kind, isolated=True)
+            except AdcsError as error:
+                return f"{_RUN_BY}{kind} ends: {error}"
+    return finding
 
 
 def first_steps(path: Path) -> Iterator[str]:
@@ -47,7 +62,7 @@ def first_steps(path: Path) -> Iterator[str]:
     }
     kinds: list[Kind] = [kind for kind, there in interfaces.items() if there]
     for kind in kinds or ["co-simulation"]:  # which is refused then
-        doing(f"a run by {kind}")
+        doing(f"{_RUN_BY}{kind}")
         try:
             entry = system_from_file(str(path))
             start, step = entry.start_time, entry.step
@@ -57,7 +72,7 @@ def first_steps(path: Path) -> Iterator[str]:
         except Unsupported as error:
             yield Note(str(error))
         except AdcsError as error:
-            text = f"a run by {kind} ends: {error}"
+            text = f"{_RUN_BY}{kind} ends: {error}"
             yield Note(text) if getattr(interfaces[kind], "needsExecutionTool", False) else text
         else:
             if kind == "co-simulation":

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from orchestration.results.plots import Panel
 from orchestration.results.report import KeyNumber
 from orchestration.results.result import Result
-from orchestration.system import System
+from orchestration.system import System, Times
 
 
 @dataclass(frozen=True)
@@ -25,3 +25,10 @@ class SystemEntry:
     key_numbers: Callable[[Result], Sequence[KeyNumber]]
     start_time: float = 0.0  # s
     check_step: Callable[[float], object] = lambda step: None  # refuses an exchange step [s]
+    assumed: Sequence[str] = ()  # which of stop_time and step its file does not give
+
+    def built(self) -> System:
+        """Return the system, with its times."""
+        system = self.build()
+        system.times = Times(self.start_time, self.stop_time, self.step)
+        return system

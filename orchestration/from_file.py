@@ -28,7 +28,7 @@ def is_file(name: str) -> bool:
 
 def system_from_file(name: str) -> SystemEntry:
     """Return the system in a file for which `is_file` holds."""
-    return _from_ssp(name) if is_ssp(name) else _from_fmu(Path(name))
+    return _from_ssp(name) if is_ssp(name) else component_alone(name)
 
 
 def from_anywhere(name: str) -> str:
@@ -48,22 +48,28 @@ def _from_ssp(name: str) -> SystemEntry:
     stop = start + _STOP if file.stop_time is None else file.stop_time
     step = (stop - start) / _STEPS if file.step is None else file.step
     variant = f"-{Path(structure).stem}" if structure else ""
-    return _entry(f"{path.stem}{variant}", file.system, start, stop, step)
+    assumed = [name for name in ("stop_time", "step") if getattr(file, name) is None]
+    return _entry(f"{path.stem}{variant}", file.system, start, stop, step, assumed)
 
 
-def _from_fmu(path: Path) -> SystemEntry:
-    system = single(path)
+def component_alone(name: str) -> SystemEntry:
+    """Return a system of one component: the path of an `.fmu`, or the name of a component that is built."""
+    system = single(name)
     (component,) = system.components.values()
-    system.name = path.stem
+    system.name = Path(name).stem
     experiment = component.fmu.model.defaultExperiment
+    given = {"stop_time": experiment.stopTime, "step": experiment.stepSize} if experiment else {}
     start = float(experiment.startTime or 0.0) if experiment else 0.0
-    stop = float(experiment.stopTime or start + _STOP) if experiment else start + _STOP
-    step = float(experiment.stepSize or (stop - start) / _STEPS) if experiment else (stop - start) / _STEPS
-    return _entry(path.stem, system, start, stop, step)
+    stop = float(given.get("stop_time") or start + _STOP)
+    step = float(given.get("step") or (stop - start) / _STEPS)
+    assumed = [name for name in ("stop_time", "step") if not given.get(name)]
+    return _entry(system.name, system, start, stop, step, assumed)
 
 
-def _entry(name: str, system: System, start: float, stop: float, step: float) -> SystemEntry:
-    return SystemEntry(name, system.description, "", lambda: system, stop, step, figures, key_numbers, start)
+def _entry(name: str, system: System, start: float, stop: float, step: float, assumed: Sequence[str]) -> SystemEntry:
+    return SystemEntry(
+        name, system.description, "", lambda: system, stop, step, figures, key_numbers, start, assumed=assumed
+    )
 
 
 def figures(result: Result) -> Sequence[Panel]:

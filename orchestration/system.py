@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.errors import AdcsError, shown
+from orchestration import expected, overview
 from orchestration.fmu.file import FmiVersion, Fmu, Port, locate, open_fmu
 from orchestration.fmu.nodes import Place
 from orchestration.fmu.number_types import BEYOND, first_beyond, first_misfit
@@ -119,20 +120,53 @@ class Ends:
         return End(component, port, (port.elements.index(element),), ())
 
 
+@dataclass(frozen=True)
+class Times:
+    """How a system is run where nothing else is said: from `start` to `stop` in exchange steps of `step` (s)."""
+
+    start: float
+    stop: float
+    step: float
+
+
 class System:
-    """Components and their wiring; everything that can be checked without running is checked at once."""
+    """Components and their wiring; everything that can be checked without running is checked at once.
+
+    `times` are those of a run that is given none.
+    """
 
     def __init__(self, name: str, description: str = "") -> None:
+        expected.text("name", name)
+        expected.text("description", description)
         self.name = name
         self.description = description
+        self.times: Times | None = None
         self.components: dict[str, Component] = {}
         self._connections: list[Connection] = []
         self._incoming: dict[tuple[str, str], list[Connection]] = {}  # by component and node
+
+    def __repr__(self) -> str:
+        return overview.text(self)
+
+    def _repr_html_(self) -> str:
+        return overview.html(self)
 
     @property
     def connections(self) -> Sequence[Connection]:
         """All connections; `connect` and `disconnect` change them."""
         return tuple(self._connections)
+
+    def run_times(self, start: float | None, stop: float | None, step: float | None) -> tuple[float, float, float]:
+        """Return start, stop and step (s) of a run: the system's own where none is given, and a start of 0 without."""
+        own = self.times
+        if own is None and (stop is None or step is None):
+            raise AdcsError(f"{'stop_time' if stop is None else 'step'}: {self.name} has none of its own, give it")
+        own = own or Times(0.0, stop or 0.0, step or 0.0)
+        return (
+            own.start if start is None else start,
+            own.stop if stop is None else stop,
+            own.step if step is None else step,
+        )
 
     def add(self, name: str, fmu: str | Path, start: Mapping[str, Value] | None = None, every: int = 1) -> None:
         """Add a component.
@@ -145,6 +179,10 @@ class System:
         component's name, so that no two sensors have the same noise unasked. It is a start value like any other: `set`
         replaces it, and it is exported. Systems with the same names have the same seeds, and so the same noise.
         """
+        expected.text("name", name)
+        expected.path(f"component {name!r}: fmu", fmu)
+        if start is not None:
+            expected.by_name(f"component {name!r}: start", start)
         if not all(name.split("/")) or "." in name or not name.isprintable():
             raise AdcsError(f"component name {name!r} is not usable: give a name without dots")
         if name in self.components:
@@ -240,6 +278,10 @@ class System:
         """
         output, input_ = self.end(source), self.end(target)
         link = f"cannot connect {source} to {target}: "
+        for name, value in {"factor": factor, "offset": offset}.items():
+            if value is not None:
+                expected.number(f"{link}{name}", value)
+        expected.number(f"{link}delay", delay)
         if output.port.causality != "output":
             raise AdcsError(f"{link}{source} is not an output but {self._called(output)}")
         if input_.port.causality != "input":
@@ -250,7 +292,7 @@ class System:
         if output.shape != input_.shape:
             raise AdcsError(f"{link}sizes differ, {size_text(output.shape)} and {size_text(input_.shape)}")
         given = factor is not None or offset is not None
-        pairs = _pairs(link, input_.port, mapping or ())
+        pairs = _pairs(link, input_.port, () if mapping is None else mapping)
         if pairs and given:
             raise AdcsError(f"{link}it has a mapping as well as a factor or offset: give one of them")
         scale = self._scale(link, output, input_) if not (given or pairs) else Scale(factor or 1.0, offset or 0.0)
@@ -314,6 +356,8 @@ class System:
 
     def end(self, name: str) -> End:
         """Return what `component.variable` or `component.variable[i,j]` (counted from 1) names."""
+        if not isinstance(name, str):
+            raise AdcsError(f"{shown(repr(name))} names no variable: give a text as 'component.variable'")
         component, _, _ = name.partition(".")
         if component not in self.components:
             raise AdcsError(

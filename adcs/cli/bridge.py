@@ -1,166 +1,90 @@
-"""`adcs bridge` and `adcs replay`."""
+"""`adcs bridge`: a system in real time, for ground tools to watch."""
 
 from __future__ import annotations
 
 import os
-from contextlib import suppress
-from pathlib import Path
-from typing import Annotated
+from collections.abc import Sequence
+from math import inf
+from typing import Any
 
-import typer
 from rich.console import Console
 from rich.table import Table
 
-from adcs.catalogue import find_system
-from adcs.cli.ground_tools import Options, attached
+from adcs.cli.command import Speed, command
+from adcs.cli.ground_tools import attached
+from adcs.cli.options import GroundTools, SystemName, Times, Which
 from fmus.errors import AdcsError
-from hil_bridge.frames import FrameName
 from hil_bridge.ground.attach import Bridge
-from hil_bridge.ground.endpoints import DEFAULTS, Place
 from hil_bridge.ground.mapping import ROLES, find
 from hil_bridge.ground.parameters import parameters
-from hil_bridge.ground.replay import replay as replay_log
 from orchestration.grid import Grid
-from orchestration.instances.instance import EndRequested
-from orchestration.running.live import Pace
+from orchestration.process.watch import Unwatched
+from orchestration.process.where import Where
+from orchestration.results.result import Unrecorded
+from orchestration.running.driver import Driver
+from orchestration.running.hook import Hook, Outline
+from orchestration.running.hooks.pace import Pace
 from orchestration.running.session import ENDLESS, Session
 from orchestration.system import System
 
-app = typer.Typer()
-
-_WHERE, _WHAT, _WHO = "Where to", "What is shown", "Who may do what"
-
-To = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--out",
-        "--to",
-        metavar="KIND:HOST:PORT",
-        help="Where ground tools are: udpout:, udpin: or tcpin:; may be repeated. "
-        "[default: udpout:127.0.0.1:14550 and :14540]",
-        rich_help_panel=_WHERE,
-    ),
-]
-Expose = Annotated[
-    bool,
-    typer.Option(
-        "--expose", help="Let endpoints reach beyond this machine; read `docs/mavlink.md` first.", rich_help_panel=_WHO
-    ),
-]
-Peers = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--peer",
-        metavar="ADDRESS",
-        help="Hear this address only (udpin, tcpin); may be repeated.",
-        rich_help_panel=_WHO,
-    ),
-]
+app = command(
+    "bridge",
+    "adcs bridge observer-pd",
+    "adcs bridge observer-pd --real-time 4 --allow arm,param --set controller.k_p=3",
+    "adcs bridge observer-pd --to udpin:0.0.0.0:14550 --remote --peer 192.168.1.7 --key key.txt",
+)
 
 
-@app.command()
+@app.default
 def bridge(
-    system: Annotated[str, typer.Argument(help="Name of a system (`adcs list`), or an .ssp or .fmu file.")],
-    out: To = None,
-    step: Annotated[float | None, typer.Option(help="Time between two points [s].")] = None,
-    stop: Annotated[float | None, typer.Option(help="Stop time [s]. [default: never]")] = None,
-    speed: Annotated[float, typer.Option(help="Simulated seconds per second.")] = 1.0,
-    allow: Annotated[
-        str,
-        typer.Option(metavar="WHAT,...", help="Let ground tools: arm, param, attitude.", rich_help_panel=_WHO),
-    ] = "",
-    frame: Annotated[FrameName, typer.Option(help="Frame of the attitude.", rich_help_panel=_WHAT)] = "ned",
-    epoch: Annotated[
-        str, typer.Option(help="UTC at t = 0, for the turning Earth.", rich_help_panel=_WHAT)
-    ] = "2026-01-01T00:00:00",
-    position: Annotated[
-        str,
-        typer.Option(
-            metavar="LAT,LON,HEIGHT", help="Where a system without orbit is shown [deg, m].", rich_help_panel=_WHAT
-        ),
-    ] = "0,0,500km",
-    map_: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--map",
-            metavar="ROLE=NAME",
-            help="Variable of a role, or a TOML file; may be repeated.",
-            rich_help_panel=_WHAT,
-        ),
-    ] = None,
-    show: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME", help="Show this output besides; may be repeated.", rich_help_panel=_WHAT),
-    ] = None,
-    rate: Annotated[
-        list[str] | None,
-        typer.Option(metavar="MESSAGE=HZ", help="Rate of a message; may be repeated.", rich_help_panel=_WHAT),
-    ] = None,
-    wheel_limit: Annotated[
-        float | None, typer.Option(help="Speed at which a wheel is saturated [rad/s].", rich_help_panel=_WHAT)
-    ] = None,
-    expose: Expose = False,
-    peer: Peers = None,
-    key: Annotated[
-        Path | None,
-        typer.Option(help="Sign messages, and take signed ones only, with the key in this file.", rich_help_panel=_WHO),
-    ] = None,
-    fifo: Annotated[
-        bool, typer.Option("--fifo", help="Ask the system for real-time priority (SCHED_FIFO); needs the right to it.")
-    ] = False,
-    tlog: Annotated[Path | None, typer.Option(help="Write a telemetry log.", rich_help_panel=_WHERE)] = None,
-    list_: Annotated[
-        bool, typer.Option("--list", help="Say what is shown and which parameters there are, and do no more.")
-    ] = False,
+    system: SystemName,
+    /,
+    which: Which = Which(),
+    times: Times = Times(),
+    tools: GroundTools = GroundTools(),
+    *,
+    real_time: Speed = 1.0,
+    fifo: bool = False,
+    list: bool = False,
 ) -> None:
-    """Run a system in real time for ground tools to watch, until Ctrl-C; nothing else is recorded."""
-    entry = find_system(system)
-    built = entry.build()
-    if list_:
-        _list(built, map_ or [], show or [])
+    """Run a system in real time for ground tools to watch, until Ctrl-C; nothing else is recorded.
+
+    Args:
+        real_time: Keep pace with the clock, SPEED times as fast.
+        fifo: Ask the system for real-time priority (SCHED_FIFO); needs the right to it.
+        list: Say what is shown and which parameters there are, and do no more.
+    """
+    entry, built = which.built(system)
+    if list:
+        _list(built, tools.map, tools.show)
         return
-    exchange = entry.step if step is None else step
-    if exchange > 0:
-        entry.check_step(exchange)
-    options = Options(
-        out or (), allow, frame, epoch, position, map_ or (), show or (), rate or (), expose, peer or (), key, tlog,
-        wheel_limit,
-    )  # fmt: skip
-    start = entry.start_time
-    watcher = attached(built, options, step=exchange, start=start, speed=speed)
+    step, start = times.step_of(entry), times.start_of(entry)
+    watcher = attached(built, tools, step=step, start=start, speed=real_time)
     assert isinstance(watcher, Bridge)
-    steps = ENDLESS if stop is None else Grid.make(start, stop, exchange).steps
+    steps = ENDLESS if times.stop is None else Grid.make(start, times.stop, step).steps
     if fifo:
         _prioritise()
-    pace = Pace(Grid(0.0, exchange, 0), speed)
+    grid, recording = Grid(start, step, steps), Unrecorded(built, None)
+    hooks: Sequence[Hook] = (Pace(real_time), watcher)
+    for hook in hooks:
+        hook.prepare(Outline(built, grid, recording, "co-simulation"))
     console = Console(stderr=True)
-    with Session(built, step=exchange, start_time=start, steps=steps) as simulation, watcher:
-        console.print(f"{entry.name} at {speed:g} times real time, for {', '.join(watcher.endpoints)}; Ctrl-C ends it")
-        pace.start(0)
+    with (
+        Session(built, step=step, start_time=start, steps=steps, fmi_version=which.fmi_version) as simulation,
+        watcher,
+    ):
+        places = ", ".join(watcher.endpoints)
+        console.print(f"{entry.name} at {real_time:g} times real time, for {places}; Ctrl-C ends it")
+        driver = Driver(simulation, recording, hooks, Unwatched(), Where(), timeout=inf)
+        driver.prepare()
         try:
-            _go(simulation, watcher, pace)
+            driver.run()
         except KeyboardInterrupt:
             console.print(f"ended at t = {simulation.time:g} s")
         if simulation.ended is not None:
             console.print(str(simulation.ended), markup=False)
-        report = watcher.report()
-    _show(console, report, pace)
-
-
-def _go(simulation: Session, watcher: Bridge, pace: Pace) -> None:
-    while True:
-        pace.wait(simulation.k)
-        simulation.propagate()
-        row = simulation.k
-        if row < simulation.last and simulation.ended is None:
-            with suppress(EndRequested):
-                simulation.move_on()
-        else:
-            simulation.k += 1
-        for change in watcher(simulation):
-            change.apply(simulation)
-        if row >= simulation.last or simulation.ended is not None:
-            return
+        report = driver.report()
+    _show(console, report)
 
 
 def _prioritise() -> None:
@@ -173,16 +97,14 @@ def _prioritise() -> None:
         raise AdcsError("--fifo: not permitted; see `ulimit -r`, or grant CAP_SYS_NICE") from None
 
 
-def _show(console: Console, report: dict[str, object], pace: Pace) -> None:
-    late = pace.report()
+def _show(console: Console, report: dict[str, Any]) -> None:
+    late = report["real_time"]
     console.print(
         f"{late['points']} points, late by {1e3 * late['late_median_s']:.3g} ms in the median, "
         f"{1e3 * late['late_99_percent_s']:.3g} ms at 99 %, {1e3 * late['late_most_s']:.3g} ms at most",
         highlight=False,
     )
-    mavlink = report["mavlink"]
-    assert isinstance(mavlink, dict)
-    for each in mavlink["endpoints"]:
+    for each in report["mavlink"]["endpoints"]:
         if isinstance(each, dict):
             console.print(
                 f"{each['endpoint']}: {each['sent']} messages sent, {each['not_sent']} not; "
@@ -190,13 +112,11 @@ def _show(console: Console, report: dict[str, object], pace: Pace) -> None:
                 f"{each['strangers']} from strangers",
                 highlight=False,
             )
-    commands = report["commands"]
-    assert isinstance(commands, list)
-    for time, name, value, source in commands:
+    for time, name, value, source in report["commands"]:
         console.print(f"t = {time:g} s: {name} = {value} by {source}", highlight=False)
 
 
-def _list(system: System, maps: list[str], shows: list[str]) -> None:
+def _list(system: System, maps: Sequence[str], shows: Sequence[str]) -> None:
     console = Console()
     signals = find(system, maps, shows)
     table = Table("role", "variable", "meaning", title="What is shown", title_justify="left")
@@ -210,22 +130,3 @@ def _list(system: System, maps: list[str], shows: list[str]) -> None:
         range_ = "" if (p.low, p.high) == (float("-inf"), float("inf")) else f"{p.low:g} .. {p.high:g}"
         table.add_row(p.id, p.element, f"{p.value:g}", p.unit, range_)
     console.print(table)
-
-
-@app.command()
-def replay(
-    file: Annotated[Path, typer.Argument(help="A telemetry log (.tlog).")],
-    out: To = None,
-    speed: Annotated[float, typer.Option(help="How many times as fast as it was written.")] = 1.0,
-    wait: Annotated[float, typer.Option(help="Wait for a ground tool to come, so long at most [s].")] = 0.0,
-    expose: Expose = False,
-    peer: Peers = None,
-) -> None:
-    """Send a telemetry log to ground tools again."""
-    places = [Place.parse(text, expose) for text in out or DEFAULTS]
-    console = Console(stderr=True)
-    try:
-        report = replay_log(file, places, speed, peer or (), wait)
-    except KeyboardInterrupt:
-        raise AdcsError("interrupted") from None
-    console.print(f"{report['frames']} frames of {report['seconds']:g} s sent to {', '.join(map(str, places))}")

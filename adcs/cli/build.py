@@ -4,26 +4,24 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
+from cyclopts import Parameter
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from adcs.cli.command import command
 from adcs.cli.printing import ERR, OUT, Json, print_json
 from fmus.build import build
 
-app = typer.Typer()
+app = command("build", "adcs build", "adcs build RigidBody PdTracking", "adcs build --all-platforms")
 
 
-@app.command("build")
+@app.default
 def build_command(
-    names: Annotated[list[str] | None, typer.Argument(help="Components; all if left out.", show_default=False)] = None,
-    all_platforms: Annotated[bool, typer.Option(help="For Linux, Windows and macOS, not only this machine.")] = False,
+    *names: Annotated[str, Parameter(help="Components; all if left out.")],
+    all_platforms: Annotated[bool, Parameter(help="For Linux, Windows and macOS, not only this machine.")] = False,
     as_json: Json = False,
 ) -> None:
-    """Build FMUs, for FMI 2.0 and 3.0; what is up to date stays.
-
-    Examples: `adcs build` · `adcs build RigidBody PdTracking` · `adcs build --all-platforms`
-    """
+    """Build FMUs, for FMI 2.0 and 3.0; what is up to date stays."""
     columns = (TextColumn("{task.description:<44}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=ERR, transient=True, disable=as_json) as bar:
         task = bar.add_task("compiling", total=None)
@@ -31,7 +29,7 @@ def build_command(
         def show(done: int, total: int, what: str) -> None:
             bar.update(task, completed=done, total=total, description=what)
 
-        built = build(names, all_platforms, show)
+        built = build(list(names) or None, all_platforms, show)
     if as_json:
         print_json([{"path": str(path), "bytes": path.stat().st_size} for path in built])
         return

@@ -2,35 +2,32 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
-import typer
+from cyclopts import Parameter
 from rich.markup import escape
 from rich.table import Column, Table
 
+from adcs.cli.command import command
 from adcs.cli.printing import ERR, OUT, Json, print_json
 from fmus.built import all_built, fmus_of
 from fmus.check import Finding
 from orchestration.checking import check
 
-app = typer.Typer()
+app = command("check", "adcs check", "adcs check RigidBody", "adcs check path/to/some.fmu")
 
 
-@app.command("check")
+@app.default
 def check_command(
-    fmus: Annotated[
-        list[str] | None,
-        typer.Argument(help="Components or paths of FMUs; all built components if left out.", show_default=False),
-    ] = None,
+    *fmus: Annotated[str, Parameter(help="Components or paths of FMUs; all built components if left out.")],
     as_json: Json = False,
 ) -> None:
     """Check FMUs: standard, layout, binaries, what validators miss, and what a run refuses. Exit code 1 for faults.
 
     A note is about what no standard forbids, but what some machine or tool cannot do with.
-
-    Examples: `adcs check` · `adcs check RigidBody` · `adcs check path/to/some.fmu`
     """
     paths = [path for fmu in fmus for path in fmus_of(fmu)] if fmus else all_built()
     findings: dict[Path, list[Finding]] = {}
@@ -50,4 +47,4 @@ def check_command(
                 table.add_row(escape(path.name), rule, escape(finding.message))
         OUT.print(table)
     if any(finding.severity == "fault" for found in findings.values() for finding in found):
-        raise typer.Exit(1)
+        sys.exit(1)

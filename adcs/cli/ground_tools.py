@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
-from pathlib import Path
 
+from adcs.cli.options import GroundTools
 from fmus.errors import AdcsError
-from hil_bridge.frames import FrameName
 from hil_bridge.ground.attach import Bridge, Recorder, log_only
 from hil_bridge.ground.commands import make_commandable
 from hil_bridge.ground.endpoints import DEFAULTS
@@ -17,58 +14,41 @@ from hil_bridge.ground.settings import ALLOWED, Settings
 from orchestration.system import System
 
 
-@dataclass(frozen=True)
-class Options:
-    """What can be chosen; see `adcs bridge --help`."""
-
-    endpoints: Sequence[str] = ()
-    allow: str = ""
-    frame: FrameName = "ned"
-    epoch: str = "2026-01-01T00:00:00"
-    position: str = "0,0,500km"
-    maps: Sequence[str] = ()
-    shows: Sequence[str] = ()
-    rates: Sequence[str] = ()
-    expose: bool = False
-    peers: Sequence[str] = ()
-    key: Path | None = None
-    tlog: Path | None = None
-    wheel_limit: float | None = None
-    network: bool = True
-
-
 def attached(
-    system: System, options: Options, *, step: float, start: float = 0.0, speed: float = 1.0
+    system: System, tools: GroundTools, *, step: float, start: float = 0.0, speed: float = 1.0, network: bool = True
 ) -> AbstractContextManager[Bridge | Recorder]:
-    """Return what takes part in a run of the system, which is rewired for the commands that are allowed."""
-    allow = [word for word in options.allow.split(",") if word]
+    """Return what takes part in a run of the system, which is rewired for the commands that are allowed.
+
+    Without `network` it only writes the log.
+    """
+    allow = [word for word in tools.allow.split(",") if word]
     for word in allow:
         if word not in ALLOWED:
             raise AdcsError(f"--allow {word}: expected some of {', '.join(ALLOWED)}, separated by commas")
-    signals = find(system, options.maps, options.shows)
+    signals = find(system, tools.map, tools.show)
     settings = Settings(
         system=system.name,
         columns=(),
         step=step,
         start=start,
         speed=speed,
-        frame=options.frame,
-        epoch=options.epoch,
-        position=_position(options.position),
+        frame=tools.frame,
+        epoch=tools.epoch.isoformat(),
+        position=_position(tools.position),
         allow=allow,
-        endpoints=list(options.endpoints or DEFAULTS),
-        exposed=options.expose,
-        peers=list(options.peers),
-        key=None if options.key is None else str(options.key),
-        key_state=None if options.key is None else f"{options.key}.times",
-        tlog=None if options.tlog is None else str(options.tlog),
-        wheel_limit=options.wheel_limit,
-        rates=dict(_rate(text) for text in options.rates),
+        endpoints=list(tools.to or DEFAULTS),
+        exposed=tools.remote,
+        peers=list(tools.peer),
+        key=None if tools.key is None else str(tools.key),
+        key_state=None if tools.key is None else f"{tools.key}.times",
+        tlog=None if tools.tlog is None else str(tools.tlog),
+        wheel_limit=tools.wheel_limit,
+        rates=dict(_rate(text) for text in tools.rate),
     )
-    if not options.network:
-        if options.tlog is None:
+    if not network:
+        if tools.tlog is None:
             raise AdcsError("no network and no log: nothing to do")
-        return log_only(system, signals, settings, options.tlog)
+        return log_only(system, signals, settings, tools.tlog)
     commandable, signals = make_commandable(system, signals, allow)
     return Bridge(system, signals, settings, commandable)
 

@@ -6,11 +6,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from adcs.cli.command import command
 from adcs.cli.printing import ERR, OUT, Json, print_json
 from fmus import catalog
 from fmus.build import describe
@@ -21,17 +22,14 @@ from fmus.freshness import warn_if_outdated
 from orchestration.fmu.file import Fmu, Port, open_fmu
 from orchestration.ssp.names import is_ssp
 
-app = typer.Typer()
+app = command("info", "adcs info RigidBody", "adcs info path/to/some.fmu", "adcs info system.ssp --json")
 
 
-@app.command("info")
+@app.default
 def info(
-    name: Annotated[str, typer.Argument(help="A component, or an .fmu or .ssp file.")], as_json: Json = False
+    name: Annotated[str, Parameter(help="A component, or an .fmu or .ssp file.")], /, *, as_json: Json = False
 ) -> None:
-    """Show the variables of a component or FMU with units and start values, or what an SSP file holds.
-
-    Examples: `adcs info RigidBody` · `adcs info path/to/some.fmu` · `adcs info system.ssp --json`
-    """
+    """Show the variables of a component or FMU with units and start values, or what an SSP file holds."""
     path = Path(name)
     if path.suffix == ".fmu":
         facts = _fmu(open_fmu(path))
@@ -187,7 +185,17 @@ def _show(facts: dict[str, Any]) -> None:
     _table(console, columns, rows)
 
 
+_BOXED = 2000
+"""The most rows of a table with lines around its cells."""
+
+
 def _table(console: Console, columns: list[str], rows: list[list[str]]) -> None:
+    if len(rows) > _BOXED:  # of which rich would make 2000 lines a second
+        every = [columns, *rows]
+        widths = [max(map(len, cells)) for cells in zip(*every, strict=True)]
+        for row in every:
+            print("  ".join(map(str.ljust, row, widths)).rstrip())
+        return
     table = Table()
     for i, column in enumerate(columns):
         table.add_column(column, min_width=min(max((len(row[0]) for row in rows), default=0), 40) if i == 0 else None)

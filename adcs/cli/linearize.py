@@ -8,58 +8,52 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-import typer
+from cyclopts import Parameter
 
+from adcs.cli.command import Time, command
+from adcs.cli.options import SystemName, Which
+from adcs.cli.words import full_name
 from fmus.errors import AdcsError
+from orchestration.system import System
 
 if TYPE_CHECKING:
     from orchestration.linear.state_space import Mode, StateSpace
-    from orchestration.system import System
 
-app = typer.Typer()
+app = command(
+    "linearize",
+    "adcs linearize PdTracking --set k_v=5",
+    "adcs linearize observer-pd --at 1min --minimal --out loop.mat",
+    "adcs linearize full-state-pd --open plant.torque_B --inputs plant.torque_B --outputs controller.torque_B",
+)
 
-_EPILOG = """Examples:
-
-adcs linearize PdTracking --set k_v=5
-
-adcs linearize observer-pd --at 60s --minimal --out loop.mat
-
-adcs linearize full-state-pd --open plant.torque_B --inputs plant.torque_B --outputs controller.torque_B
-"""
+_Names = Annotated[tuple[str, ...] | None, Parameter(metavar="NAMES")]
 
 
-@app.command(epilog=_EPILOG)
+@app.default
 def linearize(
-    system: Annotated[
-        str, typer.Argument(help="Name of a system or component (`adcs list`), or an .ssp or .fmu file.")
-    ],
-    at: Annotated[str, typer.Option(metavar="TIME", help="When: the system is run until then, as in 60s.")] = "0",
-    inputs: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAMES", help="Inputs, separated by commas. [default: all that are not connected]"),
-    ] = None,
-    outputs: Annotated[
-        list[str] | None, typer.Option(metavar="NAMES", help="Outputs, separated by commas. [default: all]")
-    ] = None,
-    open_: Annotated[
-        list[str] | None,
-        typer.Option("--open", metavar="NAMES", help="Cut the connections into these inputs, for a loop gain."),
-    ] = None,
-    minimal: Annotated[
-        bool, typer.Option("--minimal", help="Count a unit quaternion as the three angles of a small rotation.")
-    ] = False,
-    set_: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="NAME=VALUE", help="Start value, as for `adcs run`; may be repeated."),
-    ] = None,
-    fmi: Annotated[Literal["2", "3"], typer.Option(help="FMI version of the components.")] = "2",
-    out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write all of it to a .mat or .json file.", show_default=False)
-    ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print all of it as JSON.")] = False,
+    system: SystemName,
+    /,
+    which: Which = Which(),
+    *,
+    at: Time = 0.0,
+    inputs: _Names = None,
+    outputs: _Names = None,
+    open_: Annotated[_Names, Parameter(name="--open")] = None,
+    minimal: bool = False,
+    out: Annotated[Path | None, Parameter(metavar="FILE")] = None,
+    json: bool = False,
 ) -> None:
-    """Linearise a component or a closed loop: matrices A, B, C, D, and eigenvalues with frequency and damping."""
-    from adcs.cli.words import assign
+    """Linearise a component or a closed loop: matrices A, B, C, D, and eigenvalues with frequency and damping.
+
+    Args:
+        at: When: the system is run until then, as in 60s.
+        inputs: Inputs, separated by commas. [default: all that are not connected]
+        outputs: Outputs, separated by commas. [default: all]
+        open_: Cut the connections into these inputs, for a loop gain.
+        minimal: Count a unit quaternion as the three angles of a small rotation.
+        out: Write all of it to a .mat or .json file.
+        json: Print all of it as JSON.
+    """
     from orchestration.linear.linearization import linearize as linearize_
     from orchestration.process.writing import make_folder
 
@@ -69,60 +63,30 @@ def linearize(
         raise AdcsError(f"--out {out}: it is a folder: give the name of a file in it")
     if out is not None:
         make_folder(out.parent, f"--out {out}")
-    built, alone = _find(system)
-    assign(built, set_ or [], alone)
+    _, built = which.built(system)
     found = linearize_(
         built,
-        _seconds(at),
-        inputs=_names(inputs, alone),
-        outputs=_names(outputs, alone),
-        open_at=_names(open_, alone) or [],
+        at,
+        inputs=_names(built, inputs),
+        outputs=_names(built, outputs),
+        open_at=_names(built, open_) or [],
         minimal_coordinates=minimal,
-        fmi_version="2.0" if fmi == "2" else "3.0",
+        fmi_version=which.fmi_version,
     )
     if out is not None:
         found.write(out)
     if json:
-        typer.echo(json_.dumps(found.as_dict(), indent=2))
+        print(json_.dumps(found.as_dict(), indent=2))
     else:
-        _show(found, alone, out)
+        _show(found, next(iter(built.components)) if len(built.components) == 1 else None, out)
 
 
-def _find(name: str) -> tuple[System, str | None]:
-    """Return the system, and the name of the component where there is only one."""
-    from adcs.catalogue import SYSTEMS, find_system
-    from fmus.paths import DIST
-    from orchestration.single import single
-
-    path = Path(name)
-    if path.suffix == ".fmu" or (
-        name not in SYSTEMS and any((DIST / f"{name}{x}.fmu").is_file() for x in ("", ".fmi3"))
-    ):
-        system = single(name)
-        return system, system.name
-    try:
-        return find_system(name).build(), None
-    except AdcsError as error:
-        if path.suffix:
-            raise
-        raise AdcsError(f"{error}, or a component that is built (`adcs list`)") from None
-
-
-def _names(texts: Sequence[str] | None, alone: str | None) -> list[str] | None:
+def _names(system: System, texts: Sequence[str] | None) -> list[str] | None:
     """Split at commas, but not at those of `J_B[1,3]`."""
     if texts is None:
         return None
-    from adcs.cli.words import full_name
-
     words = [word.strip() for text in texts for word in re.split(r",(?![^\[]*\])", text)]
-    return [full_name(word, alone) for word in words if word]
-
-
-def _seconds(text: str) -> float:
-    try:
-        return float(text.strip().removesuffix("s"))
-    except ValueError:
-        raise AdcsError(f"--at {text}: expected a time in seconds, as in 60s") from None
+    return [full_name(system, word) for word in words if word]
 
 
 def _show(found: StateSpace, alone: str | None, out: Path | None) -> None:

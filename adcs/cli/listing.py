@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import typer
 from rich.table import Table
 
 from adcs.catalogue import SYSTEMS
+from adcs.cli.command import command
 from adcs.cli.printing import OUT, Json, print_json
 from fmus import catalog
 from fmus.built import paths
 
-app = typer.Typer()
+app = command("list", "adcs list", "adcs list --json")
 
 
-@app.command("list")
-def list_command(as_json: Json = False) -> None:
-    """List the components and the systems made of them.
-
-    Examples: `adcs list` · `adcs list --json`
-    """
+@app.default
+def list_command(*, as_json: Json = False) -> None:
+    """List the components and the systems made of them."""
     components = catalog.components()
     built = {c.name: {v: str(path) for v, path in paths(c).items() if path.is_file()} for c in components}
     systems = [{"name": name, "description": system.description} for name, system in SYSTEMS.items()]

@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 from typing import Annotated, Any
 
-import typer
+from cyclopts import Parameter
 from rich.console import Console
 
 OUT = Console()
 ERR = Console(stderr=True)
 
-Json = Annotated[bool, typer.Option("--json", help="Print JSON for machines.")]
+Json = Annotated[bool, Parameter(name="--json", help="Print JSON for machines.")]
 
 
 def print_json(data: Any) -> None:

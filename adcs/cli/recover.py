@@ -6,9 +6,10 @@ import sys
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+from cyclopts import Parameter
 
 from adcs.catalogue import find_system
+from adcs.cli.command import command
 from adcs.cli.run_files import kept_in
 from adcs.cli.showing import as_json, show, write_files, write_report
 from fmus.errors import AdcsError
@@ -16,20 +17,23 @@ from orchestration.isolation import journal
 from orchestration.isolation.death import Found, found
 from orchestration.isolation.folder import MANIFEST, ResultsFolder
 
-app = typer.Typer()
+app = command("recover", "adcs recover results/observer-pd")
 
 
-@app.command()
+@app.default
 def recover(
-    folder: Annotated[Path, typer.Argument(help="Folder of the results, where run.journal is.")],
-    ended_with: Annotated[
-        int | None, typer.Option(help="The code that the process ended with, as its starter knows it.", hidden=True)
-    ] = None,
-    hung: Annotated[
-        float | None, typer.Option(help="It was ended, since a call had not returned for so long [s].", hidden=True)
-    ] = None,
+    folder: Annotated[Path, Parameter(help="Folder of the results, where run.journal is.")],
+    /,
+    *,
+    ended_with: Annotated[int | None, Parameter(show=False)] = None,
+    hung: Annotated[float | None, Parameter(show=False)] = None,
 ) -> None:
-    """Make the files of a run whose process was killed, from the rows in its journal; they go up to the last step."""
+    """Make the files of a run whose process was killed, from the rows in its journal; they go up to the last step.
+
+    Args:
+        ended_with: The code that the process ended with, as its starter knows it.
+        hung: It was ended, since a call had not returned for so long [s].
+    """
     if folder.is_file():
         raise AdcsError(f"{folder} is a file: give the folder of the results, {folder.parent}")
     with ResultsFolder(folder) as results:
@@ -58,13 +62,13 @@ def recover(
             files += more
     files = [Path(about["folder"]) / file.name if ended_with is not None else folder / file.name for file in files]
     if about["json"]:
-        typer.echo(as_json(result, numbers, files))
+        print(as_json(result, numbers, files))
     else:
         show(result, numbers, None, files)
     if left.failed is not None:
         print(f"adcs: {left.message}", file=sys.stderr)
         if ended_with is not None:
-            raise typer.Exit(1)
+            sys.exit(1)
 
 
 def _rest(left: Found, folder: Path) -> tuple[list[Any], list[Path]]:

@@ -22,7 +22,7 @@ from orchestration.results.result import Result
 
 
 class RunFiles:
-    """A context manager around a run in a folder that is this run's alone; `journal` is for `run`.
+    """A context manager around a run in a folder that is this run's alone, and locked; `journal` is for `run`.
 
     From when the run begins, the folder holds a manifest with the status `running`, and the files of the run before are
     in `previous/`; these go when this run is complete.
@@ -30,22 +30,21 @@ class RunFiles:
 
     def __init__(
         self,
-        folder: Path,
+        results: ResultsFolder,
         formats: Sequence[Format],
         about: Mapping[str, Any],
         timeout: float,
         printed: Callable[[], bool] | None = None,
     ) -> None:
-        self._results = ResultsFolder(folder)
-        self.folder = self._results.path
+        self._results = results
+        self.folder = results.path
         self._formats, self._timeout = formats, timeout
         self._manifest: dict[str, Any] | None = None
         self._written = False
-        about = {**about, "formats": list(formats)}
+        about = {**about, "folder": str(results.given), "formats": list(formats)}
         self.journal = Journal(self._results.journal, about, self._begin, printed)
 
     def __enter__(self) -> RunFiles:
-        self._results.__enter__()
         return self
 
     def __exit__(
@@ -60,7 +59,6 @@ class RunFiles:
             with suppress(AdcsError):
                 self._result_of({**self._manifest, "outcome": outcome}).write_manifest(self.folder / MANIFEST)
             self.journal.close(remove=rows == 0)
-        self._results.__exit__(kind, error, trace)
 
     def write(self, result: Result, stopped: bool) -> list[Path]:
         """Write the files; should one of them fail, AdcsError says where the rows are, and why the run ended before."""

@@ -3,47 +3,53 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table as RichTable
 
 from adcs.catalogue import STUDIES
+from adcs.cli.command import command
 from adcs.library.entry import StudyEntry
 from adcs.library.outcome import Outcome, Row, as_json, manifest_of, write_csv
 from fmus.errors import AdcsError
-from orchestration.process.writing import make_folder
+from orchestration.isolation.folder import new_results
 from orchestration.results import plots, report
 
-app = typer.Typer()
+app = command("study", "adcs study thakur", "adcs study six-dof --out results/paper --json")
 
 _VERDICT_STYLE = {"reproduced": "green", "not reproduced": "red", "wrong in print": "yellow"}
 
 
-@app.command()
+@app.default
 def study(
-    name: Annotated[str, typer.Argument(help="Name of the study: " + ", ".join(STUDIES) + ".")],
-    out: Annotated[
-        Path | None, typer.Option(help="Folder of report, pictures and CSV. [default: results/study-NAME]")
-    ] = None,
-    json_: Annotated[bool, typer.Option("--json", help="Print the rows as one JSON array.")] = False,
-    set_: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="CHOICE=VALUE", help="Change a choice of the study; may be repeated."),
-    ] = None,
+    name: Annotated[str, Parameter(help="Name of the study: " + ", ".join(STUDIES) + ".")],
+    /,
+    *,
+    set_: Annotated[tuple[str, ...], Parameter(name="--set", metavar="CHOICE=VALUE")] = (),
+    out: Path | None = None,
+    force: bool = False,
+    json_: Annotated[bool, Parameter(name="--json")] = False,
 ) -> None:
-    """Run a study: the printed numbers and claims of a document, with ours beside them."""
+    """Run a study: the printed numbers and claims of a document, with ours beside them.
+
+    Args:
+        set_: Change a choice of the study; may be repeated.
+        out: Folder of report, pictures and CSV; one that holds results gets the next number, as in study-NAME-2.
+            [default: results/study-NAME]
+        force: Replace the results that the folder holds.
+        json_: Print the rows as one JSON array.
+    """
     entry = STUDIES.get(name)
     if entry is None:
         raise AdcsError(f"no study {name!r}: choose one of {', '.join(STUDIES)}")
-    choices = with_changes(entry.choices(), set_ or [])
-    folder = out or Path("results") / f"study-{name}"
-    make_folder(folder, f"--out {folder}")  # refused now, rather than after a minute of work
+    choices = with_changes(entry.choices(), set_)
     progress = Progress(
         TextColumn("{task.description:<44}"),
         BarColumn(),
@@ -52,16 +58,17 @@ def study(
         console=Console(stderr=True),
         transient=True,
     )
-    with progress:
+    # The folder is refused now, rather than after a minute of work.
+    with new_results(out or Path("results") / f"study-{name}", force) as results, progress:
         task = progress.add_task(entry.name, total=1.0)
         outcome, runs = entry.run(choices, lambda done, text: progress.update(task, completed=done, description=text))
         progress.update(task, completed=1.0, description="writing the report")
-        command = " ".join(["adcs study", name, *(f"--set {change}" for change in set_ or [])])
-        page = write_files(folder, entry, outcome, manifest_of(choices, runs), command)
+        command = " ".join(["adcs study", name, *(f"--set {change}" for change in set_)])
+        page = write_files(results.given, entry, outcome, manifest_of(choices, runs), command)
         complete = [{"run": label, **manifest} for label, manifest in runs]
-        (folder / "runs.json").write_text(json.dumps(complete, indent=2) + "\n", encoding="utf-8")
+        (results.given / "runs.json").write_text(json.dumps(complete, indent=2) + "\n", encoding="utf-8")
     if json_:
-        typer.echo(as_json(outcome.rows))
+        print(as_json(outcome.rows))
     else:
         console = Console()
         console.print(_table(entry.title, outcome.rows))
@@ -70,7 +77,7 @@ def study(
         console.print(f"report: {page}", soft_wrap=True)
 
 
-def with_changes(choices: Any, changes: list[str]) -> Any:
+def with_changes(choices: Any, changes: Sequence[str]) -> Any:
     """The dataclass `choices` with `NAME=VALUE` applied to it; numbers only."""
     known = {field.name: type(getattr(choices, field.name)) for field in fields(choices)}
     values = {}

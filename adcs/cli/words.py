@@ -1,4 +1,4 @@
-"""Words of a command line that several commands take: values of variables, and times."""
+"""Words of a command line that several commands take: values of variables, times, and what is done to a system."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from orchestration.fmu.values import parse_value
 from orchestration.system import System
 
 
-def assigned(system: System, assignment: str, option: str = "--set", alone: str | None = None) -> tuple[str, Any]:
+def assigned(system: System, assignment: str, option: str = "--set") -> tuple[str, Any]:
     """Read COMPONENT.VARIABLE=VALUE: the name, and the value in the variable's unit.
 
-    Of a system of one component, which `alone` names, VARIABLE=VALUE is enough.
+    Of a system of one component VARIABLE=VALUE is enough.
     """
     name, equals, text = assignment.partition("=")
     if not equals:
         raise AdcsError(f"{option} {shown(assignment)}: expected COMPONENT.VARIABLE=VALUE")
-    name = full_name(name.strip(), alone)
+    name = full_name(system, name.strip())
     component, port = system.port(name)
     if system.end(name).shape != port.shape:
         whole = f"{component}.{port.name}"
@@ -31,23 +31,23 @@ def assigned(system: System, assignment: str, option: str = "--set", alone: str 
     return name, parse_value(system.components[component].fmu, port, text)
 
 
-def assign(system: System, assignments: Sequence[str], alone: str | None = None) -> None:
+def assign(system: System, assignments: Sequence[str]) -> None:
     """Set the start values that `--set` gives: structural parameters first, which say what size others have.
 
     Of two for the same name the later one counts; two for two names of one variable are refused.
     """
     given: dict[Any, str] = {}
-    for assignment in _sizes_first(system, assignments, alone):
-        name, value = assigned(system, assignment, alone=alone)
+    for assignment in _sizes_first(system, assignments):
+        name, value = assigned(system, assignment)
         for other in (given[place] for place in system.places(name) if given.get(place, name) != name):
             raise AdcsError(f"--set {name} and --set {other} are for two names of one variable: give one of them")
         given.update(dict.fromkeys(system.places(name), name))
         system.set(name, value)
 
 
-def _sizes_first(system: System, assignments: Sequence[str], alone: str | None) -> list[str]:
+def _sizes_first(system: System, assignments: Sequence[str]) -> list[str]:
     def later(assignment: str) -> bool:
-        name = full_name(assignment.partition("=")[0].strip(), alone)
+        name = full_name(system, assignment.partition("=")[0].strip())
         try:
             return not system.port(name)[1].structural
         except AdcsError:  # which is refused when its turn comes
@@ -56,21 +56,63 @@ def _sizes_first(system: System, assignments: Sequence[str], alone: str | None) 
     return sorted(assignments, key=later)
 
 
-def full_name(name: str, alone: str | None) -> str:
-    """`component.variable`, where the component may have been left out."""
-    return name if alone is None or name.startswith(f"{alone}.") else f"{alone}.{name}"
+def full_name(system: System, name: str) -> str:
+    """`component.variable`, where the component may have been left out if there is only one."""
+    if len(system.components) != 1:
+        return name
+    (alone,) = system.components
+    return name if name.startswith(f"{alone}.") else f"{alone}.{name}"
+
+
+def change(system: System, text: str) -> tuple[float, str, Any]:
+    """Read what `--at` gives: TIME COMPONENT.VARIABLE=VALUE."""
+    when, blank, assignment = text.strip().partition(" ")
+    if not blank:
+        raise AdcsError(f"--at {shown(text)}: expected TIME COMPONENT.VARIABLE=VALUE, as in --at 120s controller.k_p=2")
+    return seconds(when, "--at"), *assigned(system, assignment.strip(), "--at")
+
+
+def every(system: System, assignment: str) -> None:
+    """Do what `--every` says: COMPONENT=N."""
+    name, _, text = assignment.partition("=")
+    number = whole(text)
+    if name not in system.components or not number:
+        raise AdcsError(
+            f"--every {shown(assignment)}: expected COMPONENT=N, one of {', '.join(system.components)}, N from 1"
+        )
+    system.components[name].every = number
+
+
+def delay(system: System, assignment: str) -> None:
+    """Do what `--delay` says: INPUT=N, or INPUT=TIME."""
+    name, _, text = assignment.partition("=")
+    if (number := whole(text)) is not None:
+        system.delay(name, steps=number)
+    else:
+        system.delay(name, seconds=seconds(text, f"--delay {shown(name)}"))
+
+
+_UNITS = {"": 1.0, "us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0}  # s
+
+
+def time(text: str) -> float:
+    """Read a time [s] with or without a unit; ValueError if it is none."""
+    match = re.fullmatch(r"\s*(?P<number>[-+.\deE]+)\s*(?P<unit>us|ms|s|min|h|)\s*", text, re.ASCII)
+    try:
+        found = float(match["number"]) * _UNITS[match["unit"]]  # type: ignore[index]
+        if not isfinite(found):
+            raise ValueError
+        return found
+    except (TypeError, ValueError):
+        raise ValueError(f"{shown(repr(text))} is not a time, write 120s, 0.1s, 5ms, 2min or 1h") from None
 
 
 def seconds(text: str, what: str) -> float:
-    """Read a time [s] with or without a unit; `what` is the option, for the error."""
-    match = re.fullmatch(r"\s*(?P<number>[-+.\deE]+)\s*(?P<unit>ms|s|min|h)?\s*", text)
+    """Read a time [s] that is part of an option; `what` is the option, for the error."""
     try:
-        time = float(match["number"]) * {"ms": 1e-3, "min": 60.0, "h": 3600.0}.get(match["unit"], 1.0)  # type: ignore[index]
-        if not isfinite(time):
-            raise ValueError
-        return time
-    except (TypeError, ValueError):
-        raise AdcsError(f"{what}: {shown(repr(text))} is not a time, write 120s, 0.1s, 5ms, 2min or 1h") from None
+        return time(text)
+    except ValueError as error:
+        raise AdcsError(f"{what}: {error}") from None
 
 
 def whole(text: str) -> int | None:

@@ -91,7 +91,7 @@ def manifest_of(choices: Any, runs: Sequence[tuple[str, Mapping[str, Any]]]) -> 
             {
                 "run": label,
                 "system": m["system"]["name"],
-                **m["settings"],
+                **{name: value for name, value in m["settings"].items() if name != "record"},
                 "seeds": m["seeds"],
                 "CPU time [s]": m["timing"]["cpu_s"],
             }

@@ -26,8 +26,10 @@ from hil_bridge.ground.security import Bucket
 from hil_bridge.ground.settings import ALLOWED, Settings, Snapshot
 from hil_bridge.ground.trial import Trial
 from hil_bridge.ground.vehicle import Vehicle
-from orchestration.running.live import Change
+from orchestration.running.change import Change
+from orchestration.running.hook import Hook, Watched
 from orchestration.running.session import ENDLESS, Session
+from orchestration.running.simulation import Simulation
 from orchestration.system import System
 
 _SHARE = 0.2  # of the run's time that trials of what ground stations want may take; what is beyond waits
@@ -36,8 +38,8 @@ _MOST_COMMANDS = 100_000  # that are kept of a run without an end
 _PATIENCE = 20.0  # s, for a process to start
 
 
-class Bridge:
-    """Takes part in a run as one of its watchers; a context manager that starts and ends the process of the bridge.
+class Bridge(Hook):
+    """Takes part in a run as one of its hooks; a context manager that starts and ends the process of the bridge.
 
         system = SYSTEMS["observer-pd"].build()
         with Bridge(system, find(system), Settings("observer-pd", ..., step=0.01)) as bridge:
@@ -80,7 +82,7 @@ class Bridge:
         self._not_taken = 0
         self._forecast: Forecast | None = None
         self._trials = Bucket(_SHARE, _SHARE)
-        self._tried, self._tried_for = 0, 0.0  # s
+        self._tried, self._tried_for, self._longest = 0, 0.0, 0.0  # s
         self._commands_not_kept = 0
         self.endpoints: list[str] = []
 
@@ -117,14 +119,29 @@ class Bridge:
         assert self._process is not None
         return self._process.pid
 
-    def __call__(self, simulation: Session) -> Sequence[Change]:
-        """Send the point that was recorded last; return the changes for the next."""
-        assert self._link is not None
-        if self._where is None:
-            self._where = _places(simulation, self.signals)
-        point = simulation.k - 1
-        t = simulation.grid.time(point)
-        self._link.snapshot(Snapshot(point, t, simulation.row[self._where]))
+    def begin(self, simulation: Simulation, hooks: Sequence[Hook], watched: Watched) -> None:
+        """Find what is shown in the rows of the run."""
+        if not isinstance(simulation, Session):
+            raise AdcsError("mavlink: only co-simulation has it, whose states can be saved to try what tools ask for")
+        self._simulation, self._wanted = simulation, list[Change]()
+        self._where = _places(simulation, self.signals)
+
+    def ahead(self, k: int) -> int:
+        """Every point is shown."""
+        return 1
+
+    def changes(self, k: int) -> Sequence[Change]:
+        """Return what ground tools ask for."""
+        changes, self._wanted = self._wanted, []
+        return changes
+
+    def after(self, point: int, time: float) -> None:
+        """Send the point that was taken last; find the changes for the next."""
+        self._wanted = self._seen(self._simulation, point, time)
+
+    def _seen(self, simulation: Session, point: int, time: float) -> list[Change]:
+        assert self._link is not None and self._where is not None
+        self._link.snapshot(Snapshot(point, time, simulation.row[self._where]))
         for note in self._link.received():
             if not isinstance(note, dict) or note["what"] != "change":
                 continue
@@ -132,7 +149,7 @@ class Bridge:
                 self._waiting.append(note)
             elif note["kind"] == "param":
                 self._answer(note, "Too many changes at once: one was left out")
-        if simulation.k > simulation.last:
+        if simulation.k > simulation.last or simulation.ended is not None:
             return []
         changes = [change for note in self._next() for change in self._made(simulation, note)]
         return [*changes, *self._released(simulation)]
@@ -142,7 +159,7 @@ class Bridge:
         self._end(sys.exc_info()[1])
         counters = {"endpoints": self.endpoints, **self._report, "points_not_taken": self._not_taken}
         if self._tried:
-            counters |= {"trials": self._tried, "trials_s": self._tried_for}
+            counters |= {"trials": self._tried, "trials_s": self._tried_for, "longest_trial_s": self._longest}
         if self._commands_not_kept:
             counters["commands_not_kept"] = self._commands_not_kept
         return {"commands": self.commands, "mavlink": counters}
@@ -231,6 +248,7 @@ class Bridge:
             took = monotonic() - began
             self._trials.spend(took)
             self._tried, self._tried_for = self._tried + 1, self._tried_for + took
+            self._longest = max(self._longest, took)
 
     def _made(self, simulation: Session, note: dict[str, Any]) -> list[Change]:
         """Changes for the next point, recorded and confirmed; none if the component would refuse them."""
@@ -299,10 +317,10 @@ def _columns(system: System, signals: Signals) -> list[tuple[str, int, int]]:
     return [(key, *first[name]) for key, name in named]
 
 
-def _places(simulation: Session, signals: Signals) -> np.ndarray[Any, Any]:
+def _places(simulation: Simulation, signals: Signals) -> np.ndarray[Any, Any]:
     """Where the values of a snapshot are in a row."""
     first, n = {}, 0
-    for name, port in simulation.recording.ports.items():
+    for name, port in simulation.ports.items():
         first[name] = range(n, n + port.size)
         n += port.size
     missing = [name for name in signals.variables if name not in first]
@@ -331,7 +349,7 @@ def log_only(system: System, signals: Signals, settings: Settings, path: Path) -
     )
 
 
-class Recorder:
+class Recorder(Hook):
     """Writes what a ground station would have seen to a telemetry log; a watcher and a context manager."""
 
     def __init__(self, system: System, signals: Signals, settings: Settings) -> None:
@@ -341,14 +359,19 @@ class Recorder:
         self._signals = signals
         self._where: np.ndarray[Any, Any] | None = None
 
-    def __call__(self, simulation: Session) -> Sequence[Change]:
-        """Log the point that was recorded last."""
-        if self._where is None:
-            self._where = _places(simulation, self._signals)
-        point = simulation.k - 1
-        t = simulation.grid.time(point)
-        self._log.point(Snapshot(point, t, simulation.row[self._where]))
-        return ()
+    def begin(self, simulation: Simulation, hooks: Sequence[Hook], watched: Watched) -> None:
+        """Find what is logged in the rows of the run."""
+        self._simulation = simulation
+        self._where = _places(simulation, self._signals)
+
+    def ahead(self, k: int) -> int:
+        """Every point is logged."""
+        return 1
+
+    def after(self, point: int, time: float) -> None:
+        """Log the point that was taken last."""
+        assert self._where is not None
+        self._log.point(Snapshot(point, time, self._simulation.row[self._where]))
 
     def report(self) -> dict[str, Any]:
         """Return what the manifest of the run is to have."""

@@ -70,7 +70,7 @@ class Place:
         if not address.is_loopback and not exposed:
             raise AdcsError(
                 f"endpoint {text!r} reaches beyond this machine, and MAVLink lets anyone there in: "
-                "add --expose, and --key to have messages signed"
+                "add --remote, and --key to have messages signed"
             )
         return cls(kind, host, int(port))  # type: ignore[arg-type]
 

@@ -14,7 +14,9 @@ from typing import Any
 from pymavlink.dialects.v20 import common as mavlink
 
 from fmus.errors import AdcsError
+from orchestration.process.format import refuse_other_version
 
+_FORMAT = "adcs-signing-1"  # of the file where times are kept
 _ZERO = 1420070400  # s, 2015-01-01: signing counts 10 us since then
 _TICKS = 100_000  # per second
 _AHEAD = 60 * _TICKS  # how far the clock of a partner may be ahead of ours, or behind
@@ -68,9 +70,12 @@ class Keyring:
         if path is not None and path.exists():
             try:
                 content = json.loads(path.read_text())
+                refuse_other_version(path, "a record of signed messages", content.get("format"), _FORMAT, "remove it")
+                if content["format"] != _FORMAT:
+                    raise ValueError(f"expected the format {_FORMAT}")
                 self.seen = {(a, b, c): t for a, b, c, t in content["seen"]}
                 self._sent = int(content["sent"])
-            except (ValueError, KeyError, TypeError) as error:
+            except (ValueError, KeyError, TypeError, AttributeError) as error:
                 raise AdcsError(f"{path} does not hold the times of signed messages: {error}; remove it") from None
         self._written, self._sent_written = dict(self.seen), self._sent
 
@@ -136,9 +141,8 @@ class Keyring:
             return True
         new = self._path.with_suffix(".new")
         try:
-            new.write_text(
-                json.dumps({"sent": self._sent_written, "seen": [[*key, t] for key, t in self._written.items()]})
-            )
+            seen = [[*key, t] for key, t in self._written.items()]
+            new.write_text(json.dumps({"format": _FORMAT, "sent": self._sent_written, "seen": seen}))
             new.replace(self._path)
         except OSError as error:
             self.trouble = f"{self._path}: {error.strerror or error}"

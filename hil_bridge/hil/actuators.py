@@ -12,7 +12,7 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from fmus.errors import AdcsError
 from hil_bridge.frames import Floats
-from orchestration.running.tables import read_table
+from orchestration.running.hooks.tables import read_table
 
 CHANNELS = 16
 

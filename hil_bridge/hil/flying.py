@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from math import inf
 from typing import Any
 
 from fmus.errors import AdcsError
 from hil_bridge.hil.lockstep import Flight
 from orchestration.fmu.file import FmiVersion
 from orchestration.grid import Grid
-from orchestration.instances.instance import CallFailed, EndRequested
+from orchestration.instances.instance import CallFailed
+from orchestration.process.watch import Unwatched
+from orchestration.process.where import Where
 from orchestration.results.manifest import make_manifest
 from orchestration.results.result import Recording, Result, RunFailed, RunInterrupted
+from orchestration.running.change import Change
+from orchestration.running.driver import Driver
+from orchestration.running.hook import Hook, Watched
 from orchestration.running.session import Session
+from orchestration.running.simulation import Simulation
 from orchestration.system import System
 
 
@@ -52,11 +59,12 @@ def fly(
 
     with Session(system, step=grid.step, steps=grid.steps, fmi_version=fmi_version) as simulation:
         began = time.perf_counter(), time.process_time()
+        driver = Driver(simulation, recording, [_Flying(flight)], Unwatched(), Where(), timeout=inf, progress=progress)
+        driver.prepare()
         try:
-            while simulation.k <= grid.steps and simulation.ended is None:
-                flight(simulation)
-                _take(simulation, recording)
-                progress(simulation.k / (grid.steps + 1))
+            driver.run()
+            if simulation.ended is not None:
+                times[recording.filled - 1] = driver.row_at
         except AdcsError as error:
             failed = error if isinstance(error, CallFailed) else None
             outcome = {
@@ -81,13 +89,22 @@ def check(system: System, *, stop_time: float, step: float, fmi_version: FmiVers
         pass
 
 
-def _take(simulation: Session, recording: Recording) -> None:
-    """Propagate and record the present point, and step on from it."""
-    simulation.k, written, failed = simulation.loop.steps(
-        simulation.start, simulation.step, simulation.k, 1, simulation.last, None, recording.room(1)
-    )
-    recording.commit(written)
-    if isinstance(failed, EndRequested):
-        simulation.ended = failed
-    elif failed is not None:
-        raise failed
+class _Flying(Hook):
+    """The flight takes part in the run: at each point, before it is recorded and stepped on from."""
+
+    def __init__(self, flight: Flight) -> None:
+        self._flight = flight
+
+    def begin(self, simulation: Simulation, hooks: Sequence[Hook], watched: Watched) -> None:
+        """See the run."""
+        assert isinstance(simulation, Session)
+        self._simulation = simulation
+
+    def ahead(self, k: int) -> int:
+        """Every point is flown."""
+        return 1
+
+    def changes(self, k: int) -> Sequence[Change]:
+        """Tell the autopilot of the point, and do what it answers."""
+        self._flight(self._simulation)
+        return ()

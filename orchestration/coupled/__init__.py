@@ -2,6 +2,6 @@
 
 from orchestration.coupled.integrators import SolverName
 from orchestration.coupled.model import CoupledModel
-from orchestration.coupled.solution import couple
+from orchestration.coupled.simulation import CoupledSimulation
 
-__all__ = ["CoupledModel", "SolverName", "couple"]
+__all__ = ["CoupledModel", "CoupledSimulation", "SolverName"]

@@ -14,15 +14,17 @@ import numpy as np
 from fmus.errors import AdcsError
 from orchestration.engine import Engine
 from orchestration.engine.overstepping import overstepped
-from orchestration.fmu.file import FmiVersion
+from orchestration.fmu.file import FmiVersion, Port
 from orchestration.instances.instance import CallFailed, EndRequested, Instance, failing_at
+from orchestration.plan.changing import checked_change
 from orchestration.plan.loops import Loops, LoopSolver
 from orchestration.plan.lowering import Floats, Plan, make_plan
 from orchestration.plan.opening import initialised
+from orchestration.plan.outside import Source
 from orchestration.process.guard import Guard
 from orchestration.process.where import Where
 from orchestration.results.result import Recording
-from orchestration.system import System
+from orchestration.system import System, Value
 
 _MAX_EVENT_ITERATIONS = 100
 
@@ -48,16 +50,27 @@ class CoupledModel:
         record: Sequence[str] | None = None,
         *,
         loops: LoopSolver | None = None,
+        source: Source | None = None,
         where: Where | None = None,
         guard: Guard | None = None,
     ) -> None:
+        """`record` names the variables of a row (None: all outputs); `source` gives values to unconnected inputs."""
         _refuse(system, fmi_version)
         recording = Recording(system, record, 1)
         self.system = system
         self.ports = recording.ports
         with ExitStack() as stack:
+            self.external = () if source is None else tuple(source.names)
             opened = initialised(
-                system, "model-exchange", start_time, stop_time, fmi_version, solver=loops, where=where, guard=guard
+                system,
+                "model-exchange",
+                start_time,
+                stop_time,
+                fmi_version,
+                external=self.external,
+                solver=loops,
+                where=where,
+                guard=guard,
             )
             self._where, self._guard = where, guard
             self._engines: list[Engine] = []
@@ -65,6 +78,10 @@ class CoupledModel:
             fmus = {name: instance.fmu for name, instance in self.instances.items()}
             # in continuous-time mode only inputs of continuous variability may be set
             continuous = [c for c in system.connections if system.port(c.target)[1].variability == "continuous"]
+            flowing = [name for name in self.external if system.port(name)[1].variability == "continuous"]
+            sizes = {name: len(system.end(name).elements) for name in self.external}
+            self._source = source
+            self._flows = np.repeat([name in flowing for name in self.external], list(sizes.values()))
             self._loops: list[Loops] = []
             lower = partial(
                 make_plan,
@@ -72,12 +89,13 @@ class CoupledModel:
                 starts={c.name: c.start for c in system.components.values()},
                 solve_loops=loops is not None,
             )
-            self._at_events = lower(system.connections)
+            self._at_events = lower(system.connections, external=self.external)
             self._sets = [call for call in self._at_events.calls if call.kind == "set"]
             self._sets += [call for loop in self._at_events.loops for call in loop.sets]
             self._propagate = self._bind(self._at_events, loops).propagate
-            self._derivatives = self._bind(lower(continuous), loops)
-            self._outputs = self._bind(lower(continuous, recording.names), loops)
+            between = [lower(continuous, names, external=flowing) for names in ((), recording.names)]
+            self._flowing = [plan.signals[: plan.n_external] for plan in between]
+            self._derivatives, self._outputs = (self._bind(plan, loops) for plan in between)
             self.state_names = [f"{name}.{state}" for name, fmu in fmus.items() for state in fmu.states]
             self._row_size = sum(port.size for port in self.ports.values())
             self._watchers = [i for i in self.instances.values() if _needs_completed_step(i)]
@@ -113,11 +131,13 @@ class CoupledModel:
     def rhs(self, t: float, x: Floats) -> Floats:
         """Return x' (n,) at time t and state x (n,)."""
         derivatives = np.empty(len(self.state_names))
+        self._flow(t)
         self._derivatives.evaluate(t, np.ascontiguousarray(x, np.float64), derivatives)
         return derivatives
 
     def row(self, t: float, x: Floats, row: Floats) -> None:
         """Write the recorded variables at (t, x) into a contiguous row."""
+        self._flow(t)
         self._outputs.evaluate(t, np.ascontiguousarray(x, np.float64), None, row)
 
     def outputs(self, t: float, x: Floats) -> dict[str, Floats]:
@@ -130,7 +150,15 @@ class CoupledModel:
 
     def set_point(self, t: float, x: Floats) -> None:
         """Bring all components to (t, x), their inputs included."""
+        self._flow(t)
         self._derivatives.evaluate(t, np.ascontiguousarray(x, np.float64), None)
+
+    def _flow(self, t: float) -> None:
+        """Take what comes from outside at time t into what is a function of (t, x) between two events."""
+        if self._source is not None:
+            values = self._source.at(np.array([t]))[0, self._flows]
+            for signals in self._flowing:
+                signals[:] = values
 
     @property
     def has_state_events(self) -> bool:
@@ -170,21 +198,32 @@ class CoupledModel:
                     asking = instance.name
         return asking
 
-    def event(self, t: float, x: Floats) -> Floats:
-        """Handle an event at (t, x) in all components; return the state after it."""
+    def event(self, t: float, x: Floats, changes: Sequence[tuple[str, Value]] = ()) -> Floats:
+        """Handle an event at (t, x) in all components, at which `changes` are set; return the state after it."""
         self.set_point(t, x)
         with failing_at(t):
             for instance in self.instances.values():
                 instance.call("entering event mode", "enterEventMode")
+            for name, value in changes:
+                component, port, values = self.check_change(name, value)
+                instance = self.instances[component]
+                instance.set_start(instance.fmu.ports[port.name], values)
             after = self._settle(t)
             if self.ended is None and not self.next_event > t:
                 late = f"its next event, at t = {self.next_event!r} s, does not lie ahead of this one"
                 raise CallFailed(self.next_event_of, late)
         return after
 
+    def check_change(self, name: str, value: Value) -> tuple[str, Port, tuple[Any, ...]]:
+        """Return component, port and flat value of a variable that may be set during a run; refuse any other."""
+        return checked_change(self.system, self.external, name, value)
+
     def _settle(self, time: float) -> Floats:
         """In event mode: propagate and update discrete states until nothing changes; return the continuous states."""
         self._next: dict[str, float] = {}
+        if self._source is not None:
+            self._at_events.signals[: self._at_events.n_external] = self._source.at(np.array([time]))[0]
+            self._next["the table of inputs"] = self._source.jump(time)
         unsettled = set(self.instances)
         self._propagate()
         for _ in range(_MAX_EVENT_ITERATIONS):

@@ -1,50 +1,22 @@
-"""The solution of coupled Model Exchange, from event to event and over the rows of a run."""
+"""The solution of coupled Model Exchange, from event to event."""
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from orchestration.coupled.crossing import first_crossing
 from orchestration.coupled.integrators import Integrator, SolverName, integrator
 from orchestration.coupled.model import CoupledModel
-from orchestration.grid import Grid
 from orchestration.instances.instance import CallFailed, failing_at
 from orchestration.plan.lowering import Floats
-from orchestration.results.result import Recording
+from orchestration.system import Value
 
 _LOOKS = 5  # into each step, for indicators that leave their domain and come back
 _CHATTER = 100  # events in what counts as one instant
 _MOST_EVENTS = 100_000  # between two rows
-
-
-def couple(
-    model: CoupledModel,
-    grid: Grid,
-    recording: Recording,
-    states: Floats,
-    solver: SolverName = "DOP853",
-    rtol: float = 1e-10,
-    atol: float = 1e-12,
-    progress: Callable[[float], Any] = lambda fraction: None,
-) -> None:
-    """Integrate over the grid, stopping exactly at events; fill the recording and `states` (steps+1, n).
-
-    A row at the time of an event holds the values after it. If a component ends the simulation, the last row is that of
-    the time at which it does so (`model.ended`).
-    """
-    solution = Solution(model, grid.start, 1e-9 * grid.step, solver, rtol, atol)
-    for k in range(grid.steps + 1):
-        solution.reach(grid.time(k))
-        model.row(solution.time, solution.x, recording.room(1)[0])
-        states[k] = solution.x
-        recording.commit(1)
-        progress((k + 1) / (grid.steps + 1))
-        if model.ended is not None:
-            return
+_ASKED = "events asked for after integrator steps"
 
 
 class Solution:
@@ -64,6 +36,8 @@ class Solution:
     ) -> None:
         self._model = model
         self._instant = instant
+        self.stopped = False
+        """Set from another thread: KeyboardInterrupt before the next step of the integrator."""
         self._events: deque[float] = deque(maxlen=_CHATTER)
         self._integrator: Integrator = integrator(model, solver, rtol, atol)
         self._z: Floats = np.empty(0)  # event indicators at the last event or accepted step
@@ -97,9 +71,9 @@ class Solution:
             if cause is None and self.time >= due:
                 cause = self._model.next_event_of, "time events"
             if cause is not None and self._model.ended is None:
-                looked, events = False, events + 1
-                self._event(*cause)
-                if events == _MOST_EVENTS:
+                changed = self._event(*cause)
+                looked, events = looked and not changed, events + changed
+                if changed and events == _MOST_EVENTS:
                     needed = events * (point - start) / max(self.time - start, np.spacing(abs(point)))
                     failed = CallFailed(
                         cause[0],
@@ -111,9 +85,15 @@ class Solution:
         if self._model.ended is None and self.time < point:  # by an instant, over which a straight line is exact
             self._restart(point, self.x + (point - self.time) * self._model.rhs(self.time, self.x))
 
+    def change(self, name: str, value: Value) -> None:
+        """Set an unconnected input or a tunable parameter where it has come to, as an event."""
+        self._restart(self.time, self._model.event(self.time, self.x, [(name, value)]))
+
     def _advance(self, target: float) -> tuple[str, str] | None:
         """Integrate to the target, or to the first event; return whose it is and what it is."""
         while self.time < target:
+            if self.stopped:
+                raise KeyboardInterrupt
             before = self.time
             self._integrator.step(target)
             crossed = self._crossing(before) if self._model.has_state_events else None
@@ -123,7 +103,7 @@ class Solution:
             if crossed is not None:
                 return crossed
             if asking is not None:
-                return asking, "events asked for after integrator steps"
+                return asking, _ASKED
         return None
 
     def _crossing(self, before: float) -> tuple[str, str] | None:
@@ -163,9 +143,21 @@ class Solution:
         z = self._model.indicators(self.time + self._instant, ahead)
         return bool(np.any((z > 0) != (self._z > 0)))
 
-    def _event(self, component: str, kind: str) -> None:
-        time = self.time
-        self._restart(time, self._model.event(time, self.x))
+    def _event(self, component: str, kind: str) -> bool:
+        """Handle an event; return whether it counts.
+
+        One that was asked for after an integrator step, as some FMUs do after each, and changes neither states nor
+        derivatives does not: the integration goes on as without it, which a restart each time would hold up.
+        """
+        time, x, model = self.time, self.x.copy(), self._model
+        before = model.rhs(time, x).copy() if kind == _ASKED else None
+        after = model.event(time, x)
+        stays = before is not None and model.ended is None and np.array_equal(after, x)
+        if before is not None and stays and np.array_equal(model.rhs(time, after), before):
+            if model.has_state_events:
+                self._z = model.indicators(time, after)
+            return False
+        self._restart(time, after)
         span = time - self._events[0] if len(self._events) == _CHATTER else np.inf
         if span <= max(self._instant, 1e3 * float(np.spacing(abs(time)))):
             with failing_at(time):
@@ -175,6 +167,7 @@ class Solution:
                     "hysteresis or a state of rest, or use the method 'co-simulation'",
                 )
         self._events.append(time)
+        return True
 
     def _restart(self, time: float, x: Floats) -> None:
         self._integrator.restart(time, x)

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from math import isfinite
 from typing import Any, Protocol
 
-from fmus.errors import AdcsError
 from orchestration.fmu.file import FmiVersion, Port
 from orchestration.fmu.ranges import Range, declared_ranges, range_of
-from orchestration.running.live import Inputs
-from orchestration.system import System, Value, checked_value
 
 _NEAR = 1e-9  # how far, relative, a step may be from a multiple of another
 
@@ -28,35 +24,11 @@ def outside_range(system: _System) -> list[str]:
         ranges = declared_ranges(component.fmu)
         for name, values in component.start.items() if ranges else ():
             port = component.fmu.ports[name]
-            found += (text for _, text in _outside(component.name, ranges, port, port.elements, values))
+            found += (text for _, text in outside(component.name, ranges, port, port.elements, values))
     return found
 
 
-def changed_outside_range(
-    system: System, changes: Sequence[tuple[float, str, Value]], inputs: Inputs | None
-) -> list[str]:
-    """Say it of what is set during a run, and of a table for each element once."""
-    ranges = {component.name: declared_ranges(component.fmu) for component in system.components.values()}
-    found: dict[Any, str] = {}
-    for i, (time, name, value) in enumerate([*changes, *(() if inputs is None else inputs.rows())]):
-        end = system.end(name)
-        if not ranges[end.component]:
-            continue
-        try:
-            flat = (
-                checked_value(name, replace(end.port, shape=end.shape), value) if i < len(changes) else value.tolist()
-            )
-        except AdcsError:  # which is refused when the run begins
-            continue
-        elements = [end.port.elements[k] for k in end.elements]
-        for element, text in _outside(
-            end.component, ranges[end.component], end.port, elements, flat, f" at {time:g} s"
-        ):
-            found.setdefault(i if i < len(changes) else (end.component, element), text)
-    return list(found.values())
-
-
-def _outside(
+def outside(
     component: str,
     ranges: Mapping[str, Range],
     port: Port,

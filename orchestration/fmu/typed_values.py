@@ -7,6 +7,7 @@ import binascii
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fmus.errors import AdcsError
 from orchestration.fmu.file import Port
@@ -79,3 +80,10 @@ def size_text(shape: tuple[int, ...]) -> str:
 def _places(value: Any) -> Any:
     """Return the same lists with a number in every place, of which numpy knows the shape."""
     return [_places(entry) for entry in value] if isinstance(value, list | tuple) else 0
+
+
+def typed(values: NDArray[np.float64], port: Port) -> Any:
+    """Return numbers as what they are: Boolean values as bool, integers as int64."""
+    if port.type == "Boolean":
+        return values != 0
+    return values if port.type.startswith("Float") else values.astype(np.int64)

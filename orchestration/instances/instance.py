@@ -59,7 +59,13 @@ class CallFailed(AdcsError):
 
 
 class EndRequested(CallFailed):
-    """A component wants the simulation to end, which is no failure; `time` is that up to which its values are valid."""
+    """A component wants the simulation to end, which is no failure; `time` is that up to which its values are valid.
+
+    Where that lies between two points, its row has the component's values there, and the others' at `others_at` (s).
+    """
+
+    others_at: float | None = None
+    """Of which time the values of the others are in the row of the end, if of another [s]."""
 
     def __str__(self) -> str:
         when = "" if self.time is None else f" at t = {self.time:.9g} s"
@@ -67,7 +73,8 @@ class EndRequested(CallFailed):
 
     def as_dict(self) -> dict[str, Any]:
         """For the manifest."""
-        return {"component": self.component, "time": self.time, "message": self.text}
+        others = {} if self.others_at is None else {"others_at": self.others_at}
+        return {"component": self.component, "time": self.time, "message": self.text, **others}
 
 
 @contextmanager

@@ -22,8 +22,9 @@ from orchestration.isolation import journal
 from orchestration.isolation.death import found, reason
 from orchestration.process.temporary import temporary_folder
 from orchestration.results import hdf5
-from orchestration.results.hdf5 import FileResult
+from orchestration.results.manifest import row_times
 from orchestration.results.result import Result, RunFailed, RunInterrupted
+from orchestration.results.stored import FileResult
 
 ASKED, ANSWER = "asked", "answer"  # files in the folder
 _LOOK = 0.05  # s, between two looks at the other process
@@ -103,7 +104,8 @@ def _answer(asked: Mapping[str, Any], place: Path, code: int) -> tuple[Result, R
         raise answer["refused"]
     kept = journal.read(path)
     n = answer["rows"]
-    result = Result(asked["system"], kept.times[:n], kept.data[:n], kept.ports, answer["manifest"])
+    times = row_times(kept.times[:n], answer["manifest"])
+    result = Result(asked["system"], times, kept.data[:n], kept.ports, answer["manifest"])
     result.states, result.state_names = answer["states"], answer["state_names"]
     result = _detached(result)
     if answer["failed"] is not None:

@@ -11,7 +11,7 @@ from fmus.process_end import how
 from orchestration.instances.instance import CallFailed
 from orchestration.isolation import journal
 from orchestration.isolation.journal import Kept
-from orchestration.results.manifest import completed
+from orchestration.results.manifest import completed, row_times
 from orchestration.results.result import Result
 from orchestration.system import System
 
@@ -64,7 +64,7 @@ def found(path: Path, code: int | None, hung: float | None = None) -> Found:
         failed.time = kept.failure["time"]
     elif hung is not None:
         failed.text = f"{kept.where.now[2] or 'it'} did not return within {hung:.3g} s, and its process was ended"
-    rows = len(kept.times)
+    rows, times = len(kept.data), row_times(kept.times, manifest)
     if kept.where.place.finished:
         manifest["warnings"].append(f"{failed.component}: {failed.text}; all rows are there")
         manifest["outcome"] = {**completed(manifest), "rows": rows}
@@ -76,5 +76,5 @@ def found(path: Path, code: int | None, hung: float | None = None) -> Found:
             "message": failed.text,
             "rows": rows,
         }
-    result = Result(system, kept.times, kept.data, kept.ports, manifest)
+    result = Result(system, times, kept.data, kept.ports, manifest)
     return Found(result, None if kept.where.place.finished else failed, kept.about)

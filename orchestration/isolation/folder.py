@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import shutil
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from itertools import count
 from pathlib import Path
 from types import TracebackType
 
@@ -17,28 +19,40 @@ MANIFEST = "manifest.json"
 RESULTS = ("result.csv", "result.mat", "result.h5", MANIFEST, "report.html", "report.png", journal.NAME)
 """What a run may leave in its folder."""
 
+STUDY = ("index.html", "rows.csv", "rows.json", "runs.json")
+"""What a study leaves in its folder, beside pictures."""
+
 PREVIOUS = "previous"
 """Where the files of the run before are until this one is complete."""
 
 _LOCK = "run.lock"
 
 
+class _Busy(AdcsError):
+    """The folder belongs to a run that goes on."""
+
+
 class ResultsFolder:
     """A context manager. AdcsError where the folder cannot be written, or belongs to another run that goes on."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, asked: str | None = None) -> None:
+        """`asked` says what it was asked by, should something be in its way."""
+        self.given = path
         self.path = path.absolute()  # a component may change the working directory
+        self._asked = asked or f"cannot write to {self.path}"
         self._lock = Lock(self.path / _LOCK)
+        self._made = False
 
     def __enter__(self) -> ResultsFolder:
-        make_folder(self.path, f"cannot write to {self.path}")
+        self._made = not self.path.exists()
+        make_folder(self.given, self._asked)
         try:
             taken = self._lock.take()
         except OSError as error:
             raise AdcsError(f"cannot write to {self.path}: {error.strerror}") from error
         if not taken:
             holder = f" (process {self._lock.holder})" if self._lock.holder else ""
-            raise AdcsError(
+            raise _Busy(
                 f"{self.path} belongs to a run that goes on{holder}: wait for its end, or give another folder by --out"
             )
         return self
@@ -47,6 +61,14 @@ class ResultsFolder:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._lock.release()
+        if self._made:  # and nothing was written to it
+            with suppress(OSError):
+                self.path.rmdir()
+
+    @property
+    def occupied(self) -> bool:
+        """Whether a run or a study has left something in it, be it the journal of one that died."""
+        return any(os.path.lexists(self.path / name) for name in (*RESULTS, *STUDY, PREVIOUS))
 
     @property
     def journal(self) -> Path:
@@ -76,3 +98,35 @@ class ResultsFolder:
         if aside.is_dir() and not aside.is_symlink() and not (aside / journal.NAME).exists():
             with suppress(OSError):
                 shutil.rmtree(aside)
+
+
+@contextmanager
+def new_results(folder: Path, replace: bool) -> Iterator[ResultsFolder]:
+    """Take a folder for new results: this one if it holds none or they may be replaced, else FOLDER-2, FOLDER-3, ...
+
+    Of two that want the same one at once, one gets the next number.
+    """
+    results = ResultsFolder(folder, f"--out {folder}").__enter__() if replace else _free(folder)
+    try:
+        yield results
+    finally:
+        results.__exit__(None, None, None)
+
+
+def _free(folder: Path) -> ResultsFolder:
+    for number in count(1):
+        if number > 1 and folder.name in ("", ".."):
+            raise AdcsError(
+                f"{folder} holds the results of another run, and has no name to put a number to: give another folder "
+                "by --out, or --force to replace them"
+            )
+        numbered = folder if number == 1 else folder.with_name(f"{folder.name}-{number}")
+        results = ResultsFolder(numbered, f"--out {folder}")
+        if results.occupied:
+            continue
+        with suppress(_Busy):
+            results.__enter__()
+            if not results.occupied:  # now that nobody else can write to it
+                return results
+            results.__exit__(None, None, None)
+    raise AssertionError

@@ -30,13 +30,15 @@ from fmus.errors import AdcsError, shown
 from orchestration.fmu.file import Port
 from orchestration.grid import Grid
 from orchestration.plan.lowering import Floats
+from orchestration.process.format import refuse_other_version
 from orchestration.process.own_file import OwnFile
 from orchestration.process.where import Place, Where
 from orchestration.results.result import Recording
 from orchestration.system import System
 
 NAME = "run.journal"
-_MAGIC = b"adcs-journal-2\n\0"
+_FORMAT = "adcs-journal-2"
+_MAGIC = f"{_FORMAT}\n".encode().ljust(16, b"\0")
 _PLACE, _FAILURE, _ABOUT = 64, 1024, 4096  # where they begin
 _PAGE = 4096
 _PIECE = 2**26  # bytes, that are taken from the disk at once
@@ -100,7 +102,7 @@ class Journal:
         }
         text = json.dumps(about).encode()
         self._times = partial(grid.rows, first, every)
-        rows, width = grid.count(first, every), self.recording.size
+        rows, width = grid.count(first, every) + (every > 1), self.recording.size  # an end may have one of its own
         self._rows_at, self._row = _pages(_ABOUT + len(text)), width * 8
         self._end = self._rows_at + _pages(rows * self._row)
         try:
@@ -245,17 +247,22 @@ class Kept:
     def times(self) -> Floats:
         """Of the rows [s], as their grid has them."""
         first, every = self.about["points"]
-        return Grid(*self.about["grid"]).rows(first, every, len(self.data))
+        grid = Grid(*self.about["grid"])
+        times = grid.rows(first, every, len(self.data))
+        return times if len(times) == len(self.data) else np.append(times, grid.time(grid.steps))
 
 
 def read(path: Path) -> Kept:
-    """Read a journal, whether or not its run is alive; AdcsError if it is none, or not whole."""
+    """Read a journal, whether or not its run is alive; AdcsError if it is none, of another version, or not whole."""
     try:
         size = path.stat().st_size
         content = np.memmap(path, np.uint8, "r") if size else np.empty(0, np.uint8)
     except OSError as error:
         raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
-    if size < _ABOUT or content[:16].tobytes() != _MAGIC:
+    magic = content[:16].tobytes()
+    said = magic.partition(b"\n")[0].decode("ascii", "replace")
+    refuse_other_version(path, "a journal", said, _FORMAT, "recover it with the adcs-fmus that wrote it")
+    if size < _ABOUT or magic != _MAGIC:
         raise AdcsError(f"{path} is no journal of a run, or of one that had not begun")
     head = _Head.from_buffer_copy(content[: ctypes.sizeof(_Head)].tobytes())
     place = Place.from_buffer_copy(content[_PLACE : _PLACE + ctypes.sizeof(Place)].tobytes())

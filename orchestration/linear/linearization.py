@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from fmus.errors import AdcsError
+from orchestration import expected
 from orchestration.coupled import CoupledModel, SolverName
 from orchestration.coupled.solution import Solution
 from orchestration.fmu.file import FmiVersion, Port
@@ -56,6 +57,10 @@ def linearize(
     rotation, NAME.angle[1..3], instead of its four elements. `start` gives start values to a single FMU. Raises
     AdcsError.
     """
+    expected.number("time", time)
+    for name, given in {"inputs": inputs, "outputs": outputs, "open_at": open_at}.items():
+        if given is not None:
+            expected.texts(name, given)
     if not isinstance(system, System):
         system = single(system, start)
     elif start:

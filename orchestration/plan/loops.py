@@ -10,6 +10,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from fmus.errors import AdcsError
+from orchestration import expected
 from orchestration.instances.instance import CallFailed, Instance
 from orchestration.plan.lowering import Call, Floats, Loop, Plan
 from orchestration.plan.propagation import execute, gather
@@ -35,8 +36,11 @@ class LoopSolver:
     def __post_init__(self) -> None:
         if self.method not in get_args(LoopMethod):
             raise AdcsError(f"loop method {self.method!r} is unknown: use {' or '.join(get_args(LoopMethod))}")
+        expected.number("loop tolerance", self.tolerance)
         if not 8 * _MACHINE <= self.tolerance < 1:
             raise AdcsError(f"loop tolerance = {self.tolerance}: expected a number from {8 * _MACHINE:.1e} to 1")
+        if not isinstance(self.max_iterations, int) or self.max_iterations < 1:
+            raise expected.refused("loop max_iterations", self.max_iterations, "a whole number from 1")
 
 
 @dataclass

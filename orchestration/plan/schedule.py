@@ -44,7 +44,7 @@ def schedule(
     """
     outputs = dict.fromkeys([*(out for all_of in sources.values() for out in all_of), *wanted])
     extra = [out for out in dict.fromkeys(record) if out not in outputs]
-    needs = {out: [i for v in depends(out) if (i := (out[0], v)) in sources] for out in (*outputs, *extra)}
+    needs = _needs((*outputs, *extra), sources, depends)
     loop_of = _loops(list(outputs), sources, needs)
     if loop_of and not solve_loops:
         raise AdcsError(
@@ -52,6 +52,24 @@ def schedule(
             "a state or a delay into it"
         )
     return _Sequence(sources, needs, list(outputs), extra, loop_of).operations
+
+
+def _needs(
+    outputs: Iterable[Name], sources: Collection[Name], depends: Callable[[Name], Iterable[str]]
+) -> dict[Name, list[Name]]:
+    """Give for each output the inputs among `sources` on which it depends.
+
+    Outputs of which an FMU says nothing depend on all inputs, by one list: it is gone through once, not for each.
+    """
+    seen: dict[tuple[str, int], tuple[Iterable[str], list[Name]]] = {}
+    needs = {}
+    for out in outputs:
+        on = depends(out)
+        key = (out[0], id(on))
+        if key not in seen:
+            seen[key] = on, [i for v in on if (i := (out[0], v)) in sources]  # `on` is kept, and so is its id
+        needs[out] = seen[key][1]
+    return needs
 
 
 class _Sequence:
@@ -135,8 +153,10 @@ class _Sequence:
     def _get(self, component: str) -> None:
         ready = self._ready.pop(component, [])
         unset = self._unset[component]
-        extra = [out for out in self._extra[component] if not any(i in unset for i in self._needs[out])]
-        self._extra[component] = [out for out in self._extra[component] if out not in extra]
+        needed = {id(self._needs[out]): self._needs[out] for out in self._extra[component]}
+        waits = {key for key, needs in needed.items() if any(i in unset for i in needs)}
+        extra = [out for out in self._extra[component] if id(self._needs[out]) not in waits]
+        self._extra[component] = [out for out in self._extra[component] if id(self._needs[out]) in waits]
         if ready or extra:
             self.operations.append(Operation("get", component, tuple(v for _, v in (*ready, *extra))))
         self._arrived(ready)

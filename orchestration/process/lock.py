@@ -40,11 +40,20 @@ class Lock:
         except OSError:
             os.close(file)
             return False
+        if fcntl is not None and not self._same(file):  # who had it has removed the file meanwhile
+            os.close(file)
+            return self.take()
         with suppress(OSError):  # a full disk: the lock is there all the same
             os.ftruncate(file, 0)
             os.write(file, str(os.getpid()).encode())
         self._file = file
         return True
+
+    def _same(self, file: int) -> bool:
+        try:
+            return os.path.samestat(os.fstat(file), os.lstat(self.path))
+        except FileNotFoundError:
+            return False
 
     @property
     def holder(self) -> str:

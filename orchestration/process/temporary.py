@@ -20,14 +20,22 @@ _NAME = "adcs-{what}-{pid}-"
 def temporary_folder(what: str) -> Iterator[Path]:
     """Yield a new folder, `adcs-WHAT-PID-...`. A lock in it says that its process lives."""
     _clear_up(tempfile.gettempdir())
-    folder = Path(tempfile.mkdtemp(prefix=_NAME.format(what=what, pid=os.getpid())))
-    lock = Lock(folder / _LOCK)
-    lock.take()
+    folder, lock = _taken(what)
     try:
         yield folder
     finally:
         lock.release()
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def _taken(what: str) -> tuple[Path, Lock]:
+    """Make a folder and its lock; another one, if a process that clears up took it for one that was left."""
+    while True:
+        folder = Path(tempfile.mkdtemp(prefix=_NAME.format(what=what, pid=os.getpid())))
+        lock = Lock(folder / _LOCK)
+        with suppress(FileNotFoundError):
+            if lock.take():
+                return folder, lock
 
 
 @cache

@@ -102,3 +102,13 @@ class Watched:
                 self._done.set()
                 continue
             self._done.set()
+
+
+class Unwatched:
+    """Does work where it is called, for what is watched by nobody; `Watched` otherwise."""
+
+    interrupted = False
+
+    def __call__(self, work: Callable[[], Answer], doing: Callable[[], Any] | None = None) -> Answer:
+        """Do it."""
+        return work()

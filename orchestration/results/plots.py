@@ -3,27 +3,33 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from orchestration.fmu.file import element_names
 from orchestration.process.writing import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 Dash = Literal["solid", "dash", "dot"]
+Run = TypeVar("Run")
 
 # Of middle lightness: legible on white and on near-black alike.
 PALETTE = ("#3b7dd8", "#e2703a", "#2e9e6b", "#b05cc6", "#c79a1e", "#d94f70", "#1fa2b8", "#7d8796")
 GUIDE_COLOR = "#8a93a3"
 POINTS_IN_REPORT = 1500  # per curve; more than the pixels a panel is wide
 POINTS_IN_PNG = 6000
+_DPI_IN_NOTEBOOK = 75  # of a figure that is made for twice as many
+_MOST_IN_LEGEND = 12  # curves of a variable; with more, a legend says nothing
 _ROUNDING = 1e-14  # relative; a smaller change is of no curve
 _SINGLE = 1e-3  # relative; a smaller change is not to be seen in single precision
 _MATPLOTLIB_DASH: dict[Dash, Any] = {"solid": "-", "dash": (0, (5, 2)), "dot": (0, (1.2, 1.6))}
@@ -73,6 +79,23 @@ def components(label: str, time: ArrayLike, vectors: ArrayLike, dash: Dash = "so
     """One curve per column of `vectors` (N, n), coloured by column, labelled `label 1`, `label 2`, ..."""
     columns = np.asarray(vectors, dtype=float).T
     return [Series(f"{label} {i + 1}".strip(), time, column, dash, color=i) for i, column in enumerate(columns)]
+
+
+def told_apart(runs: Mapping[str, Run]) -> Iterator[tuple[str, Run, Dash]]:
+    """Yield up to three runs with their labels, each with a dash of its own."""
+    dashes: tuple[Dash, ...] = get_args(Dash)
+    for (label, run), dash in zip(runs.items(), dashes, strict=False):
+        yield label, run, dash
+
+
+def over_time(name: str, time: ArrayLike, values: ArrayLike, unit: str | None) -> Panel:
+    """A recorded variable (N, *shape), with a curve for each element; `name` is `component.variable`."""
+    columns = np.asarray(values, dtype=float)
+    labels = element_names(name.partition(".")[2], columns.shape[1:])
+    columns = columns.reshape(len(columns), len(labels)).T
+    many = len(labels) > _MOST_IN_LEGEND
+    series = [Series(label, time, column, faint=many) for label, column in zip(labels, columns, strict=True)]
+    return Panel(name, f"[{unit or '-'}]", series)
 
 
 def thin(x: ArrayLike, y: ArrayLike, points: int) -> tuple[Array, Array]:
@@ -229,13 +252,28 @@ def _plotly_guide_label(panel: Panel, guide: Guide) -> dict[str, Any]:
 
 
 def write_png(path: str | Path, panels: Sequence[Panel], title: str = "", columns: int = 2) -> None:
-    """All panels in one picture, row by row in a grid; the folder of `path` is made if it is missing."""
+    """All panels in one picture; the folder of `path` is made if it is missing."""
+    figure = make_figure(panels, title, columns)
+    with replacing(path) as name:
+        figure.savefig(name, facecolor="white")
+
+
+def make_figure(panels: Sequence[Panel], title: str = "", columns: int = 2) -> Figure:
+    """All panels in one figure of Matplotlib, row by row in a grid; it shows itself in a notebook."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # not at the top: takes most of a second to load
     from matplotlib.figure import Figure
 
+    class Plot(Figure):
+        """A figure that needs no pyplot, which would keep it in memory, and draw it twice where it is shown."""
+
+        def _repr_png_(self) -> bytes:
+            written = BytesIO()
+            self.savefig(written, format="png", dpi=_DPI_IN_NOTEBOOK, facecolor="white", metadata={"Software": None})
+            return written.getvalue()
+
     columns = min(columns, len(panels))
     rows = -(-len(panels) // columns)
-    figure = Figure(figsize=(6.4 * columns, 3.9 * rows + (0.5 if title else 0)), dpi=150, layout="constrained")
+    figure = Plot(figsize=(6.4 * columns, 3.9 * rows + (0.5 if title else 0)), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     if title:
         figure.suptitle(title, fontsize=14, fontweight="bold", x=0.01, ha="left")
@@ -245,9 +283,7 @@ def write_png(path: str | Path, panels: Sequence[Panel], title: str = "", column
     for axes in grid[len(panels) :]:
         axes.set_axis_off()
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)  # type: ignore[union-attr,call-arg]
-    path = Path(path)
-    with replacing(path) as name:
-        figure.savefig(name, facecolor="white")
+    return figure
 
 
 def _draw(axes: Axes, panel: Panel) -> None:

@@ -5,19 +5,27 @@ from __future__ import annotations
 import difflib
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, shown
+from orchestration import expected
 from orchestration.fmu.file import Port, element_names
+from orchestration.fmu.typed_values import typed
 from orchestration.plan.lowering import Floats
 from orchestration.plan.schedule import Name, split
 from orchestration.process.writing import replacing
+from orchestration.results import frames, hdf5, summary
 from orchestration.system import NUMERIC, System
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+    from xarray import Dataset
 
 
 class Recording:
@@ -25,6 +33,8 @@ class Recording:
 
     def __init__(self, system: System, record: Sequence[str] | None, rows: int = 0) -> None:
         """`record` names `component.variable`; None means every output of a numeric type."""
+        if record is not None:
+            expected.texts("record", record)
         self.ports: dict[str, Port] = {}
         for name in system.outputs() if record is None else record:
             port = system.port(name)[1]
@@ -65,12 +75,28 @@ class Recording:
         return [split(name) for name in self.ports]
 
 
-@dataclass
+class Unrecorded(Recording):
+    """Rows that nobody keeps."""
+
+    def __init__(self, system: System, record: Sequence[str] | None) -> None:
+        super().__init__(system, record, 1)
+
+    def room(self, rows: int) -> Floats:
+        """The next rows, to be filled over those before."""
+        return self.data[:rows]
+
+
+@dataclass(eq=False, repr=False)
 class Result:
     """The recorded values of a run.
 
-    `result["plant.q_BN"]` is an array (rows, *shape of the variable), `time` is (rows,). After coupled Model Exchange
-    `states` (rows, number of states) holds the continuous states that `state_names` name; else it is empty.
+    `result["plant.q_BN"]` is an array (rows, *shape of the variable), `result["plant.q_BN[2]"]` one element of it,
+    counted from 1, and `time` is (rows,). After coupled Model Exchange `states` (rows, number of states) holds the
+    continuous states that `state_names` name; else it is empty.
+
+    As in a dict, `in` asks for a name (or an element), and iteration and `len` go over the names of the variables;
+    the number of rows is `len(result.time)`. Two results are equal if they have the same variables, times and values,
+    bit by bit; NaN is equal to NaN. How they came about does not count.
     """
 
     system: System
@@ -90,9 +116,42 @@ class Result:
         return list(self.ports)
 
     def __getitem__(self, name: str) -> Any:
-        port = self._port(name)
-        first = self._first[self._recorded(name)]
-        return typed(self.data[:, first : first + port.size].reshape(len(self.time), *port.shape), port)
+        recorded, element = self._find(name)
+        port = self.ports[recorded]
+        values = self._read(recorded, element)
+        return typed(values.reshape(len(self.time), *(port.shape if element is None else ())), port)
+
+    def __contains__(self, name: object) -> bool:
+        try:
+            self._find(name)
+        except AdcsError:
+            return False
+        return True
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.ports)
+
+    def __len__(self) -> int:
+        return len(self.ports)
+
+    def __bool__(self) -> bool:
+        return True  # also where no variable was recorded
+
+    def __eq__(self, other: object) -> bool:
+        return _equal(self, other) if isinstance(other, Result) else NotImplemented
+
+    def __repr__(self) -> str:
+        return summary.text(self)
+
+    def _repr_html_(self) -> str:
+        return summary.html(self)
+
+    def _read(self, name: str, element: int | None) -> Floats:
+        """The values of a recorded variable, or of one element of it, as numbers."""
+        first = self._first[name]
+        if element is not None:
+            return self.data[:, first + element]
+        return self.data[:, first : first + self.ports[name].size]
 
     def block(self, first: int, last: int) -> Floats:
         """Rows first .. last-1, all variables side by side as numbers."""
@@ -100,18 +159,42 @@ class Result:
 
     def unit(self, name: str) -> str | None:
         """Unit of a recorded variable; None if it has none."""
-        return self._port(name).unit
+        return self.ports[self._find(name)[0]].unit
 
     def description(self, name: str) -> str:
         """Description of a recorded variable."""
-        return self._port(name).description
+        return self.ports[self._find(name)[0]].description
 
     def select(self, names: Sequence[str]) -> Result:
         """Return the result with these variables only."""
-        ports = {name: self._port(name) for name in names}
-        firsts = [self._first[self._recorded(name)] for name in ports]
-        parts = [self.data[:, first : first + p.size] for first, p in zip(firsts, ports.values(), strict=True)]
-        return replace(self, data=np.hstack([np.empty((len(self.time), 0)), *parts]), ports=ports)
+        whole = [self._whole(name) for name in names]
+        ports = {name: self.ports[recorded] for name, recorded in zip(names, whole, strict=True)}
+        parts = [self._read(recorded, None) for recorded in whole]
+        data = np.hstack([np.empty((len(self.time), 0)), *parts])
+        return replace(self, data=data, ports=ports, manifest={**self.manifest, "written": list(names)})
+
+    def to_pandas(self) -> DataFrame:
+        """Return a DataFrame over time [s], with a column for each element; `attrs["units"]` has the units."""
+        return frames.to_pandas(self)
+
+    def to_xarray(self) -> Dataset:
+        """Return a Dataset over time [s], with an array for each variable and its unit in the `attrs` of that.
+
+        The elements are counted from 1 along `plant.q_BN_dim_1`, `plant.J_B_dim_2` and so on.
+        """
+        return frames.to_xarray(self)
+
+    def plot(self, *names: str) -> Figure:
+        """Draw variables or elements over time, each in a panel of its own; by default all that were recorded.
+
+        What comes back shows itself in a notebook; `savefig` writes it to a file.
+        """
+        from orchestration.results import plots
+
+        if not (names or self.ports):
+            raise AdcsError("there is nothing to plot: no variable was recorded")
+        drawn = names or tuple(self.ports)
+        return plots.make_figure([plots.over_time(name, self.time, self[name], self.unit(name)) for name in drawn])
 
     def write_csv(self, path: str | Path) -> None:
         """Write one row per communication point, numbers with all their digits; header `name[unit]`, `[-]` if none."""
@@ -148,8 +231,6 @@ class Result:
 
     def write_hdf5(self, path: str | Path) -> None:
         """Write one dataset per variable, `/plant/q_BN` (rows, *shape), with its unit and description; and `/time`."""
-        from orchestration.results import hdf5
-
         hdf5.write(self, path)
 
     def write_manifest(self, path: str | Path) -> None:
@@ -157,29 +238,59 @@ class Result:
         with replacing(path) as to:
             to.write_text(json.dumps(self.manifest, indent=2) + "\n", encoding="utf-8")
 
-    def _recorded(self, name: str) -> str:
-        """Return the name under which a variable was recorded that may have several."""
+    def _find(self, name: object) -> tuple[str, int | None]:
+        """Return the name under which a variable was recorded that may have several, and which element is meant."""
+        if not isinstance(name, str):
+            raise AdcsError(
+                f"{shown(repr(name))} names no variable: give a text as {next(iter(self), 'component.variable')!r}"
+            )
         if name in self.ports:
-            return name
+            return name, None
         try:
-            return self.system.among(self.ports, name) or name
-        except AdcsError:  # there is no such variable
-            return name
+            end = self.system.end(name)
+        except AdcsError:
+            if "[" in name and name.rpartition("[")[0] in self:  # it has no such element
+                raise
+            raise self._unknown(name) from None
+        whole = self.system.among(self.ports, name)
+        if whole is not None:
+            return whole, None
+        nodes = self.system.components[end.component].fmu.nodes
+        if len(end.elements) == 1:
+            place = nodes.place(end.port, end.elements[0])
+            for recorded, port in self.ports.items():
+                if split(recorded)[0] == end.component:
+                    for i in range(port.size):
+                        if nodes.place(port, i) == place:
+                            return recorded, i
+        raise self._unknown(name)
 
-    def _port(self, name: str) -> Port:
-        name = self._recorded(name)
-        if name not in self.ports:
-            close = difflib.get_close_matches(name, self.ports, 3, 0.5)
-            hint = f"did you mean {' or '.join(close)}?" if close else f"recorded are {', '.join(self.ports) or 'none'}"
-            raise AdcsError(f"{name!r} was not recorded: {hint}")
-        return self.ports[name]
+    def _whole(self, name: str) -> str:
+        """Return the name under which a variable was recorded; refuse an element of one."""
+        recorded, element = self._find(name)
+        if element is not None:
+            raise AdcsError(f"{name} is an element of an array: select {recorded}")
+        return recorded
+
+    def _unknown(self, name: str) -> AdcsError:
+        close = difflib.get_close_matches(name, self.ports, 3, 0.5)
+        hint = f"did you mean {' or '.join(close)}?" if close else f"recorded are {', '.join(self.ports) or 'none'}"
+        return AdcsError(f"{name!r} was not recorded: {hint}")
 
 
-def typed(values: Floats, port: Port) -> Any:
-    """Return numbers as what they are: Boolean values as bool, integers as int64."""
-    if port.type == "Boolean":
-        return values != 0
-    return values if port.type.startswith("Float") else values.astype(np.int64)
+def _equal(one: Result, other: Result) -> bool:
+    def layout(result: Result) -> dict[str, Any]:
+        return {name: (port.shape, typed(np.empty(0), port).dtype) for name, port in result.ports.items()}
+
+    if layout(one) != layout(other) or not _same_bits(one.time, other.time):
+        return False
+    return all(_same_bits(one._read(name, None), other._read(name, None)) for name in one)
+
+
+def _same_bits(one: Floats, other: Floats) -> bool:
+    """Whether two arrays of as many doubles are the same to the last bit, or NaN at the same places."""
+    a, b = (np.ascontiguousarray(values, float).ravel() for values in (one, other))
+    return a.size == b.size and bool(np.all((a.view(np.int64) == b.view(np.int64)) | (np.isnan(a) & np.isnan(b))))
 
 
 _LINES = 10_000  # of a CSV file, that are written at once

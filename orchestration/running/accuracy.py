@@ -48,7 +48,8 @@ def estimate_error(
     settings = dict(result.manifest["settings"])
     if settings["method"] != "co-simulation":
         raise AdcsError("the error of the exchange step is a matter of co-simulation: model-exchange has none")
-    settings.pop("until", None)
+    for name in ("until", "record"):
+        settings.pop(name, None)
     settings["stop_time"] = float(result.time[-1])
     common = {"record": result.names, "progress": progress, "solve_loops": settings.pop("solve_loops", None)}
     obstacle = _obstacle(result.system, settings)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from fmus.archive import Archive
 from fmus.errors import AdcsError
+from orchestration.process.format import refuse_other_version
 from orchestration.process.writing import replacing
 from orchestration.running.session import Session
 
@@ -31,24 +32,27 @@ class Checkpoint:
     @classmethod
     def read(cls, path: Path) -> Checkpoint:
         """Read a file that `write` made."""
+        none = AdcsError(f"{path} is not a checkpoint of this program: give a file that `checkpoint` has written")
         try:
             with Archive(path):  # refuses what would be larger than memory
                 pass
             with np.load(path, allow_pickle=False) as file:
                 arrays = {name: file[name] for name in file.files}
             about = json.loads(arrays.pop("about").tobytes())
-            k = about.pop("k")
-            if about.pop("format") != _FORMAT or not isinstance(k, int) or k < 0:
-                raise ValueError
-            return cls(path, k, about, arrays)
+            said, k = about.pop("format"), about.pop("k", None)
         except OSError as error:
             raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
         except AdcsError as error:
             if str(error).startswith("cannot open"):
                 raise
-            raise AdcsError(f"{path} is not a checkpoint of this program") from error
+            raise none from error
         except Exception:  # numpy and zipfile let many kinds out
-            raise AdcsError(f"{path} is not a checkpoint of this program") from None
+            raise none from None
+        way_out = "run from the start, or go on with the adcs-fmus that wrote it"
+        refuse_other_version(path, "a checkpoint", said, _FORMAT, way_out)
+        if said != _FORMAT or not isinstance(k, int) or k < 0:
+            raise none
+        return cls(path, k, about, arrays)
 
     def apply(self, simulation: Session) -> None:
         """Take a simulation that was just initialised to the point; AdcsError if it is of another system."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf, isfinite
 from typing import Any, Literal
 
@@ -14,17 +15,21 @@ from fmus.errors import AdcsError
 from orchestration.engine import Engine
 from orchestration.engine.overstepping import overstepped
 from orchestration.engine.python_loop import PythonLoop
+from orchestration.expected import choice
 from orchestration.fmu.file import FmiVersion, Port
 from orchestration.grid import SNAP, Grid, whole_steps
 from orchestration.instances.instance import CallFailed, EndRequested, Instance, failing_at
+from orchestration.plan.changing import checked_change
 from orchestration.plan.loops import Loops, LoopSolver
 from orchestration.plan.lowering import Floats, make_plan
 from orchestration.plan.opening import initialised
-from orchestration.plan.propagation import Ring, depends_on, gets_of
+from orchestration.plan.outside import Source
+from orchestration.plan.propagation import Ring, depends_on, execute, gets_of
 from orchestration.process.guard import Guard
 from orchestration.process.where import Where
 from orchestration.results.result import Recording
-from orchestration.system import Connection, System, Value, checked_value
+from orchestration.running import arguments
+from orchestration.system import Connection, System, Value
 
 Stepping = Literal["compiled", "python"]
 
@@ -79,6 +84,9 @@ class Session:
         `stop_time` is the time of the last point, if the step to it is shorter than the others. The FMUs are told a
         stop time that is beyond it by roundings, unless it `may_go_on` after it.
         """
+        arguments.check(Session, locals(), solver=arguments.loop_solver)
+        choice("fmi_version", fmi_version, FmiVersion)
+        choice("stepping", stepping, Stepping)
         if not (isfinite(step) and step > 0 and isfinite(start_time)):
             raise AdcsError(f"step = {step} s, start_time = {start_time} s: expected finite times, the step positive")
         self.grid = Grid(start_time, step, steps, stop_time)
@@ -92,7 +100,7 @@ class Session:
         self.ended: EndRequested | None = None
         """The wish of a component to end the simulation, once it has come about: nothing comes after that."""
         self.notes: list[str] = []
-        """What there is to be told of the run besides."""
+        """What there is to be told of the run, besides what its components say."""
         self._shortened = False
         bound = inf if may_go_on or steps == ENDLESS else self.grid.bound
         with ExitStack() as stack:
@@ -132,7 +140,8 @@ class Session:
                 solve=self._loops.solve,
                 where=where,
             )
-            self._guard = guard
+            self._guard, self._where = guard, where or Where()
+            self.source: Source | None = None
             self.k = 0
             self._stack = stack.pop_all()
 
@@ -151,7 +160,10 @@ class Session:
                 return
             try:
                 self.move_on()
-            except EndRequested:
+            except EndRequested as end:
+                self.k += 1  # the point itself was taken
+                if end.time is not None and end.time > self._propagated_at and self.end_row() is not None:
+                    yield end.time, self.values
                 return
 
     @property
@@ -169,8 +181,18 @@ class Session:
         return {name: part.reshape(port.shape) for (name, port), part in zip(ports.items(), parts, strict=True)}
 
     @property
+    def ports(self) -> dict[str, Port]:
+        """The recorded variables by name, in the order of a row."""
+        return self.recording.ports
+
+    @property
     def row(self) -> Floats:
-        """The recorded variables as they were last propagated, side by side."""
+        """The recorded variables at the point that was taken last, side by side."""
+        return self._propagated
+
+    @property
+    def _propagated(self) -> Floats:
+        """The recorded variables as they were last propagated."""
         row: Floats = self.signals[self._plan.row]
         return row
 
@@ -191,11 +213,6 @@ class Session:
             self._guard.check()
 
     @property
-    def loop_reports(self) -> list[dict[str, Any]]:
-        """What solving each algebraic loop took."""
-        return self._loops.reports
-
-    @property
     def n_external(self) -> int:
         """Number of values that come from outside at each point."""
         return self._plan.n_external
@@ -210,28 +227,31 @@ class Session:
 
     def move_on(self) -> None:
         """Step all components to the next point. EndRequested if a component ends the simulation on the way."""
+        if self.k == self.grid.full and self.grid.shorter:
+            self.shorter_step()
+            return
         try:
-            if self.k == self.grid.full and self.grid.shorter:
-                self.shorter_step()
-            else:
-                with failing_at(self.time):
-                    self.loop.move_on(self.k, self.grid.full, self.time, self.step)
-                self.k += 1
+            with failing_at(self.time):
+                self.loop.move_on(self.k, self.grid.full, self.time, self.step)
         except EndRequested as end:
             self.ended = end
             raise
+        self.k += 1
 
-    def advance(
-        self, count: int, external: Floats | None, rows: Floats, *, stay: bool = False
-    ) -> tuple[int, int, CallFailed | None]:
-        """Take `count` points from the present one on, recorded in `rows`, as the loop's `steps`.
+    def advance(self, count: int, rows: Floats, *, stay: bool = False) -> tuple[int, int, CallFailed | None]:
+        """Take `count` points from the present one on, recorded in `rows`.
 
-        With `stay` no component is stepped on from the last of them; `leave` does that. The last point, if the step to
-        it is shorter, is for a call of its own, after `shorter_step`.
+        Returns the point that comes next, the number of rows, and what failed. With `stay` no component is stepped on
+        from the last of them; `leave` does that. The last point, if the step to it is shorter, is for a call of its
+        own, after `shorter_step`.
         """
+        external = self._outside(count)
         if self.k <= self.grid.full:
             last = self.k + count - 1 if stay else self.grid.full
-            return self.loop.steps(self.start, self.step, self.k, count, last, external, rows)
+            k, written, failed = self.loop.steps(self.start, self.step, self.k, count, last, external, rows)
+            if isinstance(failed, EndRequested):
+                self.ended, k = failed, k + 1  # the point itself was taken
+            return k, written, failed
         if external is not None:
             self.signals[: self.n_external] = external[0]
         try:
@@ -243,6 +263,44 @@ class Session:
         self.see_end()
         return self.k + 1, 1, self.ended
 
+    def _outside(self, count: int) -> Floats | None:
+        """The values from outside at the next points, (count, number of values)."""
+        if self.source is None:
+            return None
+        times = self.start + np.arange(self.k, self.k + count, dtype=np.float64) * self.step
+        return self.source.at(np.minimum(times, self.grid.time(self.last)))
+
+    def end_row(self) -> Floats | None:
+        """Return the row of the time at which a component ended the simulation, where it can still be asked.
+
+        Between two points the component that ended it has values of its own time; those of the others are of the point
+        before, which `ended.others_at` tells. Where its values cannot be had there is no row, and a warning.
+        """
+        end, at = self.ended, self._propagated_at
+        assert end is not None
+        if end.time is None or abs(end.time - at) <= SNAP * self.step:
+            return self._propagated
+        before = self.signals.copy()
+        try:
+            for call in self._gets:
+                if call.component == end.component:
+                    execute(call, self.signals, self.instances)
+        except CallFailed as failed:
+            self.signals[:] = before
+            self.instances[end.component].warn(f"its values at its end, t = {end.time:.9g} s, are lost: {failed.text}")
+            return None
+        end.others_at = at
+        return self._propagated
+
+    @property
+    def _propagated_at(self) -> float:
+        """The time of the last point that was taken [s]."""
+        return self.grid.time(self.k - 1)
+
+    def report(self) -> dict[str, Any]:
+        """Return what the manifest is to have of it."""
+        return {"algebraic_loops": self._loops.reports} if self._loops.reports else {}
+
     def leave(self) -> None:
         """After `advance` with `stay`: go on to the next point, by a step if it is not a shorter one."""
         if self.k < self.grid.full:
@@ -253,12 +311,20 @@ class Session:
     def shorter_step(self) -> None:
         """From the last point of the grid, step to the end those components that communicate at every point."""
         full, held = self.grid.full, [self.signals[ring.delay.target].copy() for ring in self.rings]
-        with failing_at(self.grid.time(full)):
-            self.loop.move_on(full, full + 1, self.grid.time(full), self.grid.shorter)
+        try:
+            with failing_at(self.grid.time(full)):
+                self.loop.move_on(full, full + 1, self.grid.time(full), self.grid.shorter)
+        except EndRequested as end:
+            self.ended = end
+            raise
         # what is delayed arrives at points of the grid only, and until then what arrived last holds
         for ring, values in zip(self.rings, held, strict=True):
             ring.values[:] = values
         self.k, self._shortened = self.last, True
+
+    def stop(self, at_once: bool = False) -> None:
+        """Let `advance` return before its next point, or before its next call; to be called from another thread."""
+        self.loop.stop(at_once)
 
     @property
     def shorter_due(self) -> bool:
@@ -300,23 +366,7 @@ class Session:
 
     def check_change(self, name: str, value: Value) -> tuple[str, Port, tuple[Any, ...]]:
         """Return component, port and flat value of a variable that may be set during a run; refuse any other."""
-        component, port = self.system.port(name)
-        if name.partition(".")[2] != port.name:
-            raise AdcsError(f"{name} is one element: give all values of {component}.{port.name}")
-        if port.causality == "input":
-            places = self.system.places(name)
-            outside = next((n for n in self.external if places & self.system.places(n)), None)
-            if outside is not None:
-                raise AdcsError(f"{name} gets its values from a table: it cannot be set during a run")
-            fed = next((c for c in self.system.connections if places & self.system.places(c.target)), None)
-            if fed is not None:
-                raise AdcsError(f"{name} is connected to {fed.source}: it cannot be set during a run")
-        elif not (port.causality == "parameter" and port.variability == "tunable"):
-            raise AdcsError(
-                f"{name} cannot be set during a run: it is {self.system.components[component].fmu.called(port)}, only "
-                "inputs and tunable parameters can"
-            )
-        return component, port, checked_value(name, port, value)
+        return checked_change(self.system, self.external, name, value)
 
     def save(self) -> Snapshot:
         """Return a copy of all that is remembered at the present point; to be freed."""
@@ -350,3 +400,38 @@ def _in_steps(connection: Connection, step: float) -> Connection:
         return connection
     steps = whole_steps(connection.delay, step, f"the delay of {connection.target}", none=True)
     return replace(connection, delay_steps=steps, delay=0.0)
+
+
+def rigid(system: System, version: FmiVersion) -> str | None:
+    """Say why the last step of a co-simulation may not be shorter than the others; None if it may."""
+    for component in system.components.values():
+        fmu = component.open(version)
+        if component.every == 1 and not fmu.interface("co-simulation").canHandleVariableCommunicationStepSize:
+            return (
+                f", and {component.name} ({fmu.path.name}) takes no shorter last one "
+                "(canHandleVariableCommunicationStepSize is not true)"
+            )
+    return None
+
+
+def steps(
+    system: System,
+    *,
+    stop_time: float | None = None,
+    step: float | None = None,
+    start_time: float | None = None,
+    fmi_version: FmiVersion = "2.0",
+    record: Sequence[str] | None = None,
+) -> Iterator[tuple[float, Mapping[str, Floats]]]:
+    """Co-simulate step by step: yield (t_k, values by name) at every communication point, before stepping on from it.
+
+    The values are those that `run` records, to the last bit. Time goes on only while the caller asks for more. If a
+    component ends the simulation, nothing is yielded after that. Times that are not given are the system's own.
+    """
+    arguments.check(steps, locals())
+    choice("fmi_version", fmi_version, FmiVersion)
+    start_time, stop_time, step = system.run_times(start_time, stop_time, step)
+    grid = Grid.make(start_time, stop_time, step, partial(rigid, system, fmi_version))
+    times: dict[str, Any] = {"step": step, "start_time": grid.start, "steps": grid.steps, "stop_time": grid.stop}
+    with Session(system, **times, fmi_version=fmi_version, record=record) as simulation:
+        yield from simulation

@@ -20,8 +20,8 @@ from hil_bridge.ground import tlog
 from hil_bridge.ground.mapping import ROLES, find
 from hil_bridge.hil.actuators import Actuators
 from orchestration.running.checkpoint import Checkpoint
-from orchestration.running.live import Inputs
-from orchestration.running.tables import read_table
+from orchestration.running.hooks.inputs import Table
+from orchestration.running.hooks.tables import read_table
 
 from .strategies import EXTREMES, damaged, of_words, zip_damaged
 from .tries import attempt
@@ -44,7 +44,7 @@ def encoded(texts: st.SearchStrategy[str]) -> st.SearchStrategy[bytes]:
 @given(damaged(TABLE.encode()) | encoded(of_words([*NUMBERS, *NAMES, *FORMAT], 30)))
 def test_tables_of_inputs(place: Path, content: bytes) -> None:
     (place / "inputs.csv").write_bytes(content)
-    came, inputs = attempt("inputs CSV", lambda: Inputs.from_csv(BODY, place / "inputs.csv"), len(content))
+    came, inputs = attempt("inputs CSV", lambda: Table.from_csv(BODY, place / "inputs.csv"), len(content))
     if came:
         assert np.isfinite(inputs.at(np.array([-1.0, 0.25, 1e9]))).all()
 
@@ -63,7 +63,7 @@ def test_tables_of_inputs(place: Path, content: bytes) -> None:
 )
 def test_tables_that_were_once_tracebacks(tmp_path: Path, content: bytes, message: str) -> None:
     (tmp_path / "inputs.csv").write_bytes(content)
-    came, text = attempt("inputs CSV", lambda: Inputs.from_csv(BODY, tmp_path / "inputs.csv"), len(content))
+    came, text = attempt("inputs CSV", lambda: Table.from_csv(BODY, tmp_path / "inputs.csv"), len(content))
     assert not came
     assert message in text
 
@@ -71,7 +71,7 @@ def test_tables_that_were_once_tracebacks(tmp_path: Path, content: bytes, messag
 def test_a_long_table_takes_a_time_in_proportion(tmp_path: Path) -> None:
     content = "time,plant.torque_B[1]\n" + "".join(f"{i},0.5\n" for i in range(300_000))
     (tmp_path / "inputs.csv").write_text(content)
-    came, inputs = attempt("inputs CSV", lambda: Inputs.from_csv(BODY, tmp_path / "inputs.csv"), len(content))
+    came, inputs = attempt("inputs CSV", lambda: Table.from_csv(BODY, tmp_path / "inputs.csv"), len(content))
     assert came
     assert inputs.at(np.array([299_999.0])).tolist() == [[0.5]]
 

@@ -10,11 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from adcs import System
-from adcs.cli.run import _change, _delay, _every
-from adcs.cli.words import assigned, seconds
+from adcs.cli.words import assigned, change, delay, every, seconds
 from orchestration.fmu.values import parse_value
 from orchestration.results.result import Recording
-from orchestration.running.live import Condition
+from orchestration.running.conditions.condition import Condition
 
 from .strategies import ODD, of_words
 from .tries import attempt
@@ -44,7 +43,20 @@ VALUES = ["0.05", "1,2,3", "[[1,2],[3,4]]", "[1,[2]]", "deg", "rad", "N.m", "tru
 VALUES += ["[" * 3000, "9" * 5000, "NaN", "Infinity", "-", "1e400", "=", " ", "\n", "\0"]
 TIMES = ["1", "0.1", "s", "ms", "min", "h", "e", "-", "+", ".", "1e999", "٣", " ", "days"]
 CONDITIONS = ["norm(", "max(", "min(", ")", "plant.omega_BN_B", "plant.q_BN[1]", "<", "<=", ">", ">=", "=", " ", "1e-4"]
-CONDITIONS += ["nan", "inf", " " * 3000, "(" * 500, "plant.kinetic_energy", "der(plant.q_BN)"]
+CONDITIONS += ["nan", "inf", " " * 3000, "(" * 500, "plant.kinetic_energy", "der(plant.q_BN)", "time", "abs(", "0"]
+CONDITIONS += [
+    " and ",
+    " or ",
+    " not ",
+    "not " * 900,
+    "-" * 900,
+    "+time" * 900,
+    "time < 5 and " * 300,
+    "+",
+    "*",
+    "/",
+    ",",
+]
 
 ASSIGNED = st.tuples(
     st.sampled_from(
@@ -89,7 +101,7 @@ def test_times(text: str) -> None:
     | of_words([*TIMES, *VARIABLES, *VALUES, " ", "="], 10)
 )
 def test_changes(text: str) -> None:
-    attempt("--at", lambda: _change(SYSTEM, text), len(text))
+    attempt("--at", lambda: change(SYSTEM, text), len(text))
 
 
 @given(
@@ -100,8 +112,8 @@ def test_changes(text: str) -> None:
     | of_words(["tracker.q_BN", "plant", "=", *TIMES], 5)
 )
 def test_delays_and_rates(text: str) -> None:
-    attempt("--delay", lambda: _delay(SYSTEM, text), len(text))
-    attempt("--every", lambda: _every(SYSTEM, text), len(text))
+    attempt("--delay", lambda: delay(SYSTEM, text), len(text))
+    attempt("--every", lambda: every(SYSTEM, text), len(text))
 
 
 LEFT = ["norm(plant.omega_BN_B)", "max( plant.q_BN )", "plant.kinetic_energy", "plant.q_BN[2]", "plant.q_BN", "norm(x)"]
@@ -115,7 +127,7 @@ BOUNDS = ["1e-4", "-3", "nan", "inf", "", "1 2", "plant.q_BN[1]"]
 def test_conditions(text: str) -> None:
     came, condition = attempt("--until", lambda: Condition.parse(text, SYSTEM, RECORDING), len(text))
     if came:
-        assert np.isfinite(condition.bound)
+        assert condition.first(np.arange(3.0), np.zeros((3, RECORDING.size))) in (None, 0, 1, 2)
 
 
 NAMED = st.tuples(
@@ -137,13 +149,25 @@ def test_names(text: str) -> None:
 )
 def test_conditions_that_are_right(function: str, comparison: str, bound: float) -> None:
     text = f"{function.format('plant.omega_BN_B')} {comparison} {bound!r}"
-    condition = Condition.parse(text, SYSTEM, RECORDING)
-    assert (condition.function, condition.comparison, condition.bound) == (
-        function.strip()[:4].strip("({ "),
-        comparison,
-        bound,
+    rows = np.zeros((4, RECORDING.size))
+    first = sum(
+        port.size for name, port in list(RECORDING.ports.items())[: RECORDING.names.index(("plant", "omega_BN_B"))]
     )
-    assert len(condition.where) == 3
+    rows[:, first : first + 3] = values = np.array(
+        [[bound, 0, 0], [-1.0, 2.0, 3.0], [0, 0, np.nan], [-4.0, bound, 1e9]]
+    )
+    compare = {"<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal}[comparison]
+    apply = {
+        "norm": lambda v: np.linalg.norm(v, axis=1),
+        "max": lambda v: v.max(axis=1),
+        "min": lambda v: v.min(axis=1),
+    }
+    with np.errstate(over="ignore"):
+        met = compare(apply[function.split("(")[0].strip()](values), bound)
+    for times in (np.arange(4.0), np.zeros(4)):
+        found = Condition.parse(text, SYSTEM, RECORDING).first(times, rows)
+        assert found == (int(np.flatnonzero(met)[0]) if met.any() else None)
+    assert Condition.parse(f"not ({text})", SYSTEM, RECORDING).first(np.zeros(1), rows[2:3]) is None
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))

@@ -6,13 +6,21 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from pymavlink.dialects.v20 import common as mavlink
+from scipy.spatial.transform import Rotation
 
 from hil_bridge.ground.endpoints import Peer
 from hil_bridge.ground.parameters import Parameter
 from hil_bridge.ground.security import Codec
 from hil_bridge.ground.settings import Settings, Snapshot
 from hil_bridge.ground.vehicle import Vehicle
+
+
+def matrix(q_BF: ArrayLike) -> NDArray[np.float64]:
+    """C_BF, by SciPy, whose rotation of q_BF goes from body to reference."""
+    turned: NDArray[np.float64] = Rotation.from_quat(q_BF, scalar_first=True).inv().as_matrix()
+    return turned
 
 
 class Ground:

@@ -12,6 +12,7 @@ from typing import Any
 
 from pymavlink.dialects.v20 import common as mavlink
 
+from adcs import Hook
 from hil_bridge.ground.endpoints import TcpIn, UdpIn
 from hil_bridge.ground.link import Link
 from hil_bridge.ground.server import Server
@@ -109,19 +110,15 @@ class Udp:
         return sum(m.get_type() == name for m in self.listen())
 
 
-class Over:
-    """Ends a run when a thread is done: a watcher."""
+class Over(Hook):
+    """Ends a run when a thread is done."""
 
     def __init__(self, thread):
         self.thread = thread
 
-    def __call__(self, simulation):
+    def after(self, point, time):
         if not self.thread.is_alive():
             raise KeyboardInterrupt
-        return []
-
-    def report(self):
-        return {}
 
 
 HEARTBEAT = mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)

@@ -152,9 +152,10 @@ def test_a_flood_of_allowed_commands_does_not_stall_the_run():
     assert result.manifest["outcome"]["status"] == "complete"
     assert len(result.manifest["commands"]) < 5 * len(result.time)
     took = time.monotonic() - began
-    tried, tried_for = (result.manifest["mavlink"][name] for name in ("trials", "trials_s"))
+    told = result.manifest["mavlink"]
+    tried, tried_for, longest = (told[name] for name in ("trials", "trials_s", "longest_trial_s"))
     assert tried > 3
-    assert tried_for < 0.2 * took + 0.2 + 3 * tried_for / tried  # a fifth of the time, and what was under way
+    assert tried_for <= 0.2 * took + 0.2 + longest  # a fifth of the time, what may be spent at once, and one under way
     print(f"\nallowed commands from one endpoint: {sent} in 3 s; {tried} trials took {tried_for:.2f} of {took:.1f} s")
 
 

@@ -20,7 +20,8 @@ from scipy.spatial.transform import Rotation
 
 from adcs import run
 from adcs.catalogue import SYSTEMS
-from adcs.cli.ground_tools import Options, attached
+from adcs.cli.ground_tools import attached
+from adcs.cli.options import GroundTools
 
 from .live import Over, Udp
 
@@ -67,7 +68,7 @@ def flown(tool, port, name="full-state-pd", allow="arm,param,attitude", **more):
 
     entry = SYSTEMS[name]
     system = entry.build()
-    options = Options([f"udpout:127.0.0.1:{port}"], allow, **more)
+    options = GroundTools(to=(f"udpout:127.0.0.1:{port}",), allow=allow, **more)
     with attached(system, options, step=0.01) as watcher:
         try:
             result = run(system, stop_time=60.0, step=0.01, real_time=1.0, watchers=[watcher, Over(tool)])

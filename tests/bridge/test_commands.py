@@ -11,10 +11,13 @@ from .live import Udp
 
 def call(monkeypatch, capsys, *arguments):
     monkeypatch.setattr("sys.argv", ["adcs", *map(str, arguments)])
-    with pytest.raises(SystemExit) as end:
+    code = 0
+    try:
         cli.main()
+    except SystemExit as end:
+        code = end.code
     out = capsys.readouterr()
-    return end.value.code or 0, out.out, out.err
+    return code, out.out, out.err
 
 
 def test_what_is_shown_is_listed(monkeypatch, capsys):
@@ -28,7 +31,7 @@ def test_what_is_shown_is_listed(monkeypatch, capsys):
 def test_a_bridge_runs_for_a_while_and_counts(monkeypatch, capsys):
     station = Udp()
     out = f"udpout:127.0.0.1:{station.port}"
-    code, _, err = call(monkeypatch, capsys, "bridge", "observer-pd", "--stop", 1, "--speed", 4, "--out", out)
+    code, _, err = call(monkeypatch, capsys, "bridge", "observer-pd", "--stop", 1, "--real-time", 4, "--to", out)
     assert code == 0
     assert "messages sent, 0 not" in err.replace("\n", " ")
     assert station.count("ATTITUDE") > 5
@@ -43,14 +46,14 @@ def test_a_run_writes_a_log_without_network_and_a_replay_sends_it(monkeypatch, c
     assert json.loads((tmp_path / "manifest.json").read_text())["tlog"] == str(log)
     station = Udp()
     to = f"udpout:127.0.0.1:{station.port}"
-    code, _, err = call(monkeypatch, capsys, "replay", log, "--out", to, "--speed", 4)
+    code, _, err = call(monkeypatch, capsys, "replay", log, "--to", to, "--real-time", 4)
     assert code == 0 and "frames of 2 s sent to" in err
     assert station.count("ATTITUDE") > 50
 
 
 def test_a_port_in_use_is_one_line(monkeypatch, capsys):
     station = Udp()
-    code, _, err = call(monkeypatch, capsys, "bridge", "full-state-pd", "--out", f"udpin:127.0.0.1:{station.port}")
+    code, _, err = call(monkeypatch, capsys, "bridge", "full-state-pd", "--to", f"udpin:127.0.0.1:{station.port}")
     assert code == 1 and err.count("\n") == 1
     assert f"udpin:127.0.0.1:{station.port}: Address already in use; is another program there?" in err
 
@@ -60,8 +63,9 @@ def test_a_port_in_use_is_one_line(monkeypatch, capsys):
     [
         (["run", "full-state-pd", "--to", "udpout:127.0.0.1:9"], "add --mavlink"),
         (["run", "full-state-pd", "--mavlink", "--estimate-error"], "--estimate-error repeats the run"),
-        (["bridge", "full-state-pd", "--out", "udpin:0.0.0.0:14550"], "add --expose"),
+        (["bridge", "full-state-pd", "--to", "udpin:0.0.0.0:14550"], "add --remote"),
         (["bridge", "full-state-pd", "--key", "/nonexistent"], "cannot read the signing key"),
+        (["run", "full-state-pd", "--mavlink", "--to", "udpin:0.0.0.0:14550"], "add --remote"),
         (["replay", "/nonexistent.tlog"], "cannot read"),
     ],
 )

@@ -25,8 +25,8 @@ from .live import HEARTBEAT, Udp, bridge, until
         ("udpout:127.0.0.1:70000", "expected udpout:HOST:PORT"),
         ("udpout:127.0.0.1:0", "port 0"),
         ("tcpin:example.org:5760", "is not an IPv4 address"),
-        ("udpin:0.0.0.0:14550", "add --expose"),
-        ("udpout:192.168.1.7:14550", "add --expose"),
+        ("udpin:0.0.0.0:14550", "add --remote"),
+        ("udpout:192.168.1.7:14550", "add --remote"),
     ],
 )
 def test_refused_endpoints(text, message):

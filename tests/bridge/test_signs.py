@@ -10,7 +10,7 @@ from adcs.catalogue import SYSTEMS
 from hil_bridge import frames
 from hil_bridge.ground.settings import Pointing
 
-from .ground import ROLES, Station, columns, orbiting, values
+from .ground import ROLES, Station, columns, matrix, orbiting, values
 from .live import until
 from .test_run import flown
 
@@ -70,7 +70,7 @@ def test_the_target_is_the_nearer_of_two(settings, rng):
         q_CN = frames.unit(rng.normal(size=4))
         station.send(target(q_CN))
         assert error(drawn["attitude"], commanded(station))[0] >= 0  # at most half a revolution
-        assert np.abs(frames.dcm(commanded(station)) - frames.dcm(q_CN)).max() < 3e-6
+        assert np.abs(matrix(commanded(station)) - matrix(q_CN)).max() < 3e-6
 
 
 def test_noise_half_a_revolution_away_does_not_toss_the_sign(settings, rng):

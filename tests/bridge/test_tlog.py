@@ -12,7 +12,8 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from adcs import AdcsError, run
 from adcs.catalogue import SYSTEMS
-from adcs.cli.ground_tools import Options, attached
+from adcs.cli.ground_tools import attached
+from adcs.cli.options import GroundTools
 from hil_bridge.ground.endpoints import Place
 from hil_bridge.ground.replay import replay
 from hil_bridge.ground.tlog import TlogWriter, read, sender
@@ -27,7 +28,7 @@ def flight(tmp_path_factory):
     """A run with an orbit, logged without network: the result, and the log's path."""
     path = tmp_path_factory.mktemp("tlog") / "flight.tlog"
     system = ENTRY.build()
-    with attached(system, Options(tlog=path, network=False), step=0.1) as watcher:
+    with attached(system, GroundTools(tlog=path), step=0.1, network=False) as watcher:
         result = run(system, stop_time=60.0, step=0.1, watchers=[watcher])
     return result, path
 
@@ -132,7 +133,7 @@ def test_a_replay_wants_frames_and_a_speed(tmp_path, flight):
 def test_target_acquired_is_said_once(tmp_path):
     path = tmp_path / "a.tlog"
     system = SYSTEMS["full-state-pd"].build()
-    with attached(system, Options(tlog=path, network=False), step=0.01) as watcher:
+    with attached(system, GroundTools(tlog=path), step=0.01, network=False) as watcher:
         result = run(system, stop_time=80.0, step=0.01, watchers=[watcher])
     texts = [m.text for m in messages(path, "STATUSTEXT")]
     acquired = [text for text in texts if text.startswith("Target acquired")]
@@ -145,8 +146,8 @@ def test_target_acquired_is_said_once(tmp_path):
 @pytest.mark.parametrize("network", [False, True])
 def test_a_full_disk_ends_the_log_and_not_the_run(capfd, network):
     system = SYSTEMS["full-state-pd"].build()
-    options = Options(["udpout:127.0.0.1:9"], tlog=Path("/dev/full"), network=network)
-    with attached(system, options, step=0.01) as watcher:
+    options = GroundTools(to=("udpout:127.0.0.1:9",), tlog=Path("/dev/full"))
+    with attached(system, options, step=0.01, network=network) as watcher:
         result = run(system, stop_time=20.0, step=0.01, watchers=[watcher])
     assert result.manifest["outcome"]["status"] == "complete"
     assert np.array_equal(result.data, run(SYSTEMS["full-state-pd"].build(), stop_time=20.0, step=0.01).data)

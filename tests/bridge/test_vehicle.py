@@ -10,7 +10,7 @@ from pymavlink.dialects.v20 import common as mavlink
 from hil_bridge import frames
 from hil_bridge.ground.settings import Pointing
 
-from .ground import Ground, Station, orbiting, parameter, values
+from .ground import Ground, Station, matrix, orbiting, parameter, values
 
 ACCEPTED, LATER, DENIED, UNSUPPORTED = 0, 1, 2, 3
 POINT = Pointing("command.q_CN", "command.omega_CN_C", "command.engaged")
@@ -160,8 +160,8 @@ def test_a_commanded_attitude_goes_to_the_simulation_in_its_own_frame(settings, 
     station.send(target(q_CF))
     (name, q_CN), *others = station.asked[-1][2]
     assert name == "command.q_CN"
-    C = frames.dcm(q_CN) @ frames.dcm(station.vehicle.state.q_FN).T  # C_CF = C_CN C_FN^T
-    assert np.abs(C - frames.dcm(q_CF)).max() < 5e-7  # float32 on its way
+    C = matrix(q_CN) @ matrix(station.vehicle.state.q_FN).T  # C_CF = C_CN C_FN^T
+    assert np.abs(C - matrix(q_CF)).max() < 5e-7  # float32 on its way
     assert others == [("command.omega_CN_C", [0.0, 0.0, 0.0]), ("command.engaged", 1)]
     station.send(target(q_CF, (0.1, 0.2, 0.3), mask=2))
     rate = dict(station.asked[-1][2])["command.omega_CN_C"]

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import typer.main
 
 from adcs.cli.app import app
 from fmus.catalog import components
@@ -93,11 +92,10 @@ def adcs_commands(page: Path) -> list[str]:
 
 @pytest.mark.parametrize("page", PAGES, ids=named)
 def test_commands_and_their_options_exist(page: Path) -> None:
-    commands: dict[str, Any] = vars(typer.main.get_command(app))["commands"]
     for line in adcs_commands(page):
         _, name, *words = shlex.split(line)
-        assert name in commands, line
-        options = {option for parameter in commands[name].params for option in parameter.opts}
+        assert name in list(app), line
+        options = {option for argument in app[name].assemble_argument_collection() for option in argument.names}
         for word in words:
             if word.startswith("--") and word != "--help":
                 assert word in options, line

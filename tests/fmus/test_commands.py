@@ -1,12 +1,12 @@
 import json
 
 import pytest
-from typer.testing import CliRunner
 
 from adcs import AdcsError
 from adcs.cli import build as build_command
 from adcs.cli.app import app
 from fmus import built as built_fmus
+from tests.invoking import invoke
 
 
 @pytest.fixture
@@ -14,7 +14,7 @@ def run(built, monkeypatch):
     monkeypatch.setattr(built_fmus, "DIST", built)
 
     def run(*arguments):
-        result = CliRunner().invoke(app, arguments)
+        result = invoke(app, arguments)
         if result.exception and not isinstance(result.exception, SystemExit):
             raise result.exception
         return result

@@ -69,9 +69,7 @@ def test_it_is_said_once_where_a_component_is_taken(sources, caplog):
 def test_a_run_says_it_and_keeps_it_in_its_manifest(sources, tmp_path, monkeypatch, capsys, caplog):
     edit(sources / "controllers" / "pd_tracking.hpp")
     monkeypatch.setattr("sys.argv", ["adcs", "run", "full-state-pd", "--stop", "0.1", "--out", str(tmp_path / "out")])
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert end.value.code in (None, 0)
+    main()
     text = "PdTracking.fmu was built from another src/controllers/pd_tracking.hpp: run `adcs build PdTracking`"
     assert caplog.messages == [text]
     assert json.loads((tmp_path / "out" / "manifest.json").read_text())["warnings"] == [text]

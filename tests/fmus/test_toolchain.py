@@ -54,6 +54,13 @@ def test_touching_without_editing_does_not(project):
     assert is_up_to_date(step(project))
 
 
+@pytest.mark.parametrize("content", ["", "[]", '{"format": "another"}', '{"command": "zig"}'])
+def test_a_record_of_another_version_makes_it_out_of_date(project, content):
+    run_steps([step(project)])
+    step(project).record.write_text(content)
+    assert not is_up_to_date(step(project))
+
+
 def test_other_flags_and_other_compilers_make_it_out_of_date(project, monkeypatch):
     run_steps([step(project)])
     assert not is_up_to_date(step(project, "-DMORE"))

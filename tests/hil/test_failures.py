@@ -16,13 +16,13 @@ import numpy as np
 import pytest
 from flights import autopilot, connected, flown, prepared
 from pymavlink.dialects.v20 import common as mavlink
-from typer.testing import CliRunner
 
 from adcs import AdcsError, RunFailed, RunInterrupted
 from adcs.cli.app import app
 from adcs.library.hardware.systems import PERIOD
 from hil_bridge.hil.flying import fly
 from hil_bridge.hil.link import Server
+from tests.invoking import invoke
 
 ANSWER = mavlink.MAVLink_hil_actuator_controls_message
 ARMED = mavlink.MAV_MODE_FLAG_SAFETY_ARMED
@@ -322,20 +322,20 @@ def test_the_command_line(tmp_path: Path) -> None:
         (["observer-pd"], "observer-pd cannot be flown: no output is called omega_BN_B_meas"),
         (["hil-spacecraft", "--port", "70000"], "port 70000: expected 0 to 65535"),
         (["hil-spacecraft", "--host", "0.0.0.0"], "add --remote"),
-        (["hil-spacecraft", "--timeout", "0"], "timeout = 0.0: expected a positive number"),
+        (["hil-spacecraft", "--answer-timeout", "0"], "timeout = 0.0: expected a positive number"),
         (["hil-spacecraft", "--warm-up", "-1"], "warm-up = -1.0: expected a number from 0"),
         (["hil-spacecraft", "--max-torque", "a"], "--max-torque a: expected one number or three"),
         (["hil-spacecraft", "--stop", "0.0015"], "is not a whole number of steps of 0.004 s"),
         (["hil-spacecraft", "--set", "imu.period=0"], "noise is drawn per sample, give a period"),
         (["hil-spacecraft", "--set", "imu.gyro_noise"], "--set imu.gyro_noise: expected COMPONENT.VARIABLE=VALUE"),
-        (["hil-spacecraft", "--port", "0", "--connect-timeout", "0.1"], "no autopilot connected to 127.0.0.1:"),
+        (["hil-spacecraft", "--port", "0", "--wait", "100ms"], "no autopilot connected to 127.0.0.1:"),
     ],
 )
 def test_refusals_of_the_command_line(
     arguments: list[str], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    refused = CliRunner().invoke(app, ["hil", *arguments])
+    refused = invoke(app, ["hil", *arguments])
     assert isinstance(refused.exception, AdcsError)
     assert message in str(refused.exception)
     assert "\n" not in str(refused.exception)

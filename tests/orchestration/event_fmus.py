@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 import fmpy
-import ziglang
-
-from fmus.paths import BUILD
-
-HERE = Path(__file__).parent / "mocks"
+from mocks.compiler import compile_library
 
 
 @dataclass(frozen=True)
@@ -89,7 +83,7 @@ MODELS: dict[str, list[Variable]] = {
     ],
     "watcher": [
         *(state("x"), derivative("x")),
-        *(parameter("threshold", 1.0), parameter("ends_at", 1e300)),
+        *(parameter("threshold", 1.0), parameter("ends_at", 1e300), parameter("always", 0.0)),
         *(Variable("y", depends="x"), counted("steps"), counted("fired", "Boolean"), counted("fired_at", "Float64")),
     ],
     "bounded": [
@@ -135,21 +129,14 @@ def _compile(model: str, variables: list[Variable], binary: Path) -> None:
         "p" if v.causality == "parameter" else "d" if (v.causality, v.variability) == ("input", "discrete") else " "
         for v in variables
     )
-    generated = binary.with_suffix(".include")
-    generated.mkdir()
-    (generated / "variables.h").write_text(
+    header = (
         f"#define N_VALUES {len(variables)}\n"
         f"#define N_STATES {sum(v.derivative_of is not None for v in variables)}\n"
         f"#define N_INDICATORS {len(_indicators(variables))}\n"
         f"#define START {{{', '.join(repr(float(v.start or 0)) for v in variables)}}}\n"
         f'#define KINDS "{kinds}"\nenum {{ {", ".join(names)} }};\n'
     )
-    headers = Path(fmpy.__file__).parent / "c-code"
-    zig = Path(ziglang.__file__).parent / ("zig.exe" if os.name == "nt" else "zig")
-    cache = {"ZIG_GLOBAL_CACHE_DIR": str(BUILD / "zig"), "ZIG_LOCAL_CACHE_DIR": str(BUILD / "zig")}
-    command = [zig, "cc", "-std=c11", "-O1", "-shared", "-fPIC", f"-I{headers}", f"-I{generated}", f"-I{HERE}"]
-    sources = [HERE / f"{model}.c", HERE / "events_unused.c"]
-    subprocess.run([*command, *sources, "-lm", "-o", binary], check=True, env=os.environ | cache)
+    compile_library(model, "events_unused", header, binary)
 
 
 def _indicators(variables: list[Variable]) -> list[Variable]:

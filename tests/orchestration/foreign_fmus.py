@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,11 +11,8 @@ from typing import Any
 from xml.sax.saxutils import quoteattr
 
 import fmpy
-import ziglang
+from mocks.compiler import compile_library
 
-from fmus.paths import BUILD
-
-HERE = Path(__file__).parent / "mocks"
 PHASES = {"idle": 1, "run": 2, "stop": 5}
 INTEGERS = [f"{sign}Int{bits}" for bits in (8, 16, 32, 64) for sign in ("", "U")]
 NUMBERS = ["Float64", "Float32", *INTEGERS, "Boolean"]
@@ -310,21 +305,14 @@ def _compile(model: str, variables: list[Variable], places: dict[str, int], bina
                 sizes[at + i] = len(content)
             elif value is not None:
                 starts[at + i] = repr(int(value) if isinstance(value, bool) else value)
-    generated = binary.with_suffix(".include")
-    generated.mkdir()
-    (generated / "variables.h").write_text(
+    header = (
         f"#define N_VALUES {n}\n#define START {{{', '.join(starts)}}}\n#define TEXTS {{{', '.join(texts)}}}\n"
         f"#define BYTES {{{', '.join(map(str, sizes))}}}\n"
         f"#define LENGTHS {{{', '.join(map(str, lengths))}}}\n#define CLOCKS {{{', '.join(map(str, clocks))}}}\n"
         f'#define KINDS "{"".join(kinds)}"\n'
         f"enum {{ {', '.join(f'{name} = {place}' for name, place in places.items())} }};\n"
     )
-    headers = Path(fmpy.__file__).parent / "c-code"
-    zig = Path(ziglang.__file__).parent / ("zig.exe" if os.name == "nt" else "zig")
-    cache = {"ZIG_GLOBAL_CACHE_DIR": str(BUILD / "zig"), "ZIG_LOCAL_CACHE_DIR": str(BUILD / "zig")}
-    command = [zig, "cc", "-std=c11", "-O1", "-shared", "-fPIC", f"-I{headers}", f"-I{generated}", f"-I{HERE}"]
-    sources = [HERE / f"{model}.c", HERE / "foreign_unused.c"]
-    subprocess.run([*command, *sources, "-lm", "-o", binary], check=True, env=os.environ | cache)
+    compile_library(model, "foreign_unused", header, binary)
 
 
 _FMI2 = {"Float64": "Real", "Int32": "Integer"}

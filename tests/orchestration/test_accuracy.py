@@ -98,8 +98,11 @@ def test_what_cannot_go_back_is_refused(chain):
     ("settings", "message"),
     [
         ({"adaptive": 0.0}, "adaptive = 0.0: expected a positive tolerance"),
-        ({"until": "plant.kinetic_energy > 1"}, "until: not together with adaptive exchange steps"),
-        ({"real_time": 1.0}, "real_time: not together with adaptive exchange steps"),
+        (
+            {"checkpoint": "state.npz"},
+            "checkpoint: not together with adaptive exchange steps, whose choice",
+        ),
+        ({"method": "model-exchange"}, "adaptive: model-exchange has no exchange step"),
     ],
 )
 def test_refused_settings(settings, message):

@@ -165,6 +165,18 @@ def test_a_variable_is_recorded_once_and_has_all_its_names(names, tmp_path):
         result["names.z"]
 
 
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+@pytest.mark.parametrize("to_file", [False, True])
+def test_elements_and_a_selection_go_by_another_name(names, tmp_path, version, to_file):
+    system = single(names(version))
+    result = run(system, stop_time=0.1, step=0.1, record=["names.y"], hdf5=tmp_path / "r.h5" if to_file else None)
+    assert result["names.yy[2]"].tolist() == [2.0, 2.0]
+    assert "names.yy[2]" in result and "names.yy[3]" not in result
+    selected = result.select(["names.yy"])
+    assert selected["names.yy"].tolist() == selected["names.y"].tolist() == [[1.0, 2.0]] * 2
+    assert selected["names.y[1]"].tolist() == selected.block(0, 2)[:, 0].tolist() == [1.0, 1.0]
+
+
 def test_a_condition_on_another_name(names):
     changes = [(0.2, "names.u", [3.0, 4.0])]
     result = run(single(names()), stop_time=1.0, step=0.1, changes=changes, until="max(names.yy) > 3.5")

@@ -12,7 +12,7 @@ from adcs import AdcsError, RunFailed, System, run
 from orchestration.coupled import integrators, solution
 from orchestration.grid import Grid
 from orchestration.instances import stepping
-from orchestration.running.live import Pace
+from orchestration.running.hooks.pace import Clock
 
 ME = {"method": "model-exchange"}
 
@@ -101,7 +101,7 @@ def test_a_start_far_away_of_one_equation(mock, solver):
 
 def test_how_late_points_were_is_kept_of_some_only():
     """A paced run of days: percentiles of those that are kept, number and maximum of all."""
-    pace = Pace(Grid(0.0, 1e-9, 0))
+    pace = Clock(Grid(0.0, 1e-9, 0))
     pace.start(0)
     for k in range(450_000):
         pace.wait(k)
@@ -110,7 +110,7 @@ def test_how_late_points_were_is_kept_of_some_only():
     assert report["late_most_s"] >= report["late_99_percent_s"] >= report["late_median_s"] >= 0
     assert len(pace._late) < 200_000
     with pytest.raises(AdcsError, match="would last for ever"):
-        Pace(Grid(0.0, 1.0, 0), 1e-309)
+        Clock(Grid(0.0, 1.0, 0), 1e-309)
 
 
 def test_times_of_rows():

@@ -91,15 +91,23 @@ def test_a_library_that_crashes_the_loader_is_found(folder: Path) -> None:
         ("exit_initialise", "ModelExchange: initialising ended the process: exit code 0"),
         ("quit_terminate", "ModelExchange: terminating ended the process: exit code 0"),
         ("kill_free", "ModelExchange: freeing ended the process: SIGKILL, from outside, as for lack of memory"),
-        ("segfault_doStep", "a run by co-simulation ended the process: SIGSEGV, a segmentation fault"),
-        ("segfault_setTime", "a run by model-exchange ended the process: SIGSEGV, a segmentation fault"),
-        ("hang_terminate", "ModelExchange: terminating does not end within 2 s"),
+        (
+            "segfault_doStep",
+            "a run by co-simulation ends: hostile failed at t = 0 s: doStep ended the process: SIGSEGV, a segmentation "
+            "fault; 1 rows are kept",
+        ),
+        (
+            "segfault_setTime",
+            "a run by model-exchange ends: hostile failed at t = 0 s: setTime ended the process: SIGSEGV, a "
+            "segmentation fault; 0 rows are kept",
+        ),
+        ("hang_terminate", "ModelExchange: terminating does not end within 8 s"),
     ],
 )
 def test_what_ends_the_process_is_named(mock, deed, message, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ADCS_DEED", deed)
     if deed.startswith("hang"):
-        monkeypatch.setattr("fmus.checks.behaviour._SECONDS", 2)
+        monkeypatch.setattr("fmus.checks.behaviour._SECONDS", 8)
     (fault,) = [f for f in checking.check(mock("hostile")) if f.rule == "behaviour" and f.severity == "fault"]
     assert fault.message == message
 

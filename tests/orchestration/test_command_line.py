@@ -89,7 +89,7 @@ def test_options_reach_the_run(tmp_path):
     [
         (("nothing",), 1, "adcs: no system 'nothing': choose one of bounded-adaptive"),
         (("observer-pd", "--step", "0"), 1, "adcs: step = 0.0 s: expected a positive time"),
-        (("observer-pd", "--step", "nan"), 1, "adcs: step = nan s is not finite"),
+        (("observer-pd", "--step", "nan"), 2, "adcs: Invalid value for --step: 'nan' is not a time, write 120s, 0.1s"),
         (
             ("observer-pd", "--set", "tracker.half_angle"),
             1,
@@ -110,13 +110,24 @@ def test_errors_are_one_line(tmp_path, capsys, arguments, code, message):
 
 def test_a_failed_run_leaves_no_report_of_an_earlier_one(tmp_path):
     (tmp_path / "report.html").write_text("old")
-    assert adcs("run", "observer-pd", "--set", "plant.J_B=[[1,2,3],[0,1,0],[0,0,1]]", "--out", tmp_path) == 1
+    assert adcs("run", "observer-pd", "--set", "plant.J_B=[[1,2,3],[0,1,0],[0,0,1]]", "--force", "--out", tmp_path) == 1
     assert not (tmp_path / "report.html").exists()
 
 
-@pytest.mark.parametrize("arguments", [("--fmi", "4"), ("--step", "fast"), ("--nonsense",)])
-def test_usage_errors_exit_with_2(arguments):
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--fmi", "4"), 'Invalid value "4" for --fmi. Choose from: "2", "3".'),
+        (("--format", "xls"), 'Invalid value "xls" for --format. Choose from: "csv", "mat", "hdf5".'),
+        (("--step", "fast"), "Invalid value for --step: 'fast' is not a time, write 120s, 0.1s, 5ms, 2min or 1h"),
+        (("--epoch", "tomorrow"), "Invalid value for --epoch: Invalid isoformat string: 'tomorrow'"),
+        (("--chekpoint", "a"), "Unknown option: --chekpoint. Did you mean --checkpoint?"),
+        (("--nonsense",), "Unknown option: --nonsense."),
+    ],
+)
+def test_usage_errors_are_one_line_and_exit_with_2(capsys, arguments, message):
     assert adcs("run", "observer-pd", *arguments) == 2
+    assert capsys.readouterr().err == f"adcs: {message}\n"
 
 
 def test_components_that_are_not_built(tmp_path, monkeypatch, capsys):

@@ -9,15 +9,12 @@ from pathlib import Path
 import event_fmus
 import pytest
 
-from adcs import AdcsError, RunFailed, Session, System, linearize, run, steps
+from adcs import AdcsError, Hook, RunFailed, Session, System, linearize, run, steps
 from adcs.cli import app as cli
-from adcs.cli.bridge import _go
 from hil_bridge.hil.flying import fly
-from orchestration.grid import Grid
-from orchestration.running.live import Pace
 
 STEPPINGS = ("compiled", "python")
-TAKEN, DISCARDED, EARLY, TAKEN_BY_DISCARD = 0, 1, 2, 3
+TAKEN, DISCARDED, EARLY, TAKEN_BY_DISCARD, PART_BY_DISCARD = range(5)
 ME = {"method": "model-exchange"}
 Foreign = Callable[..., Path]
 
@@ -39,6 +36,22 @@ def pair(fmu, start, every=1):
     return system
 
 
+class Seen(Hook):
+    """Keeps number and time of each row, and c.x in it."""
+
+    def __init__(self):
+        self.rows = []
+
+    def begin(self, simulation, hooks, watched):
+        self.simulation = simulation
+
+    def ahead(self, k):
+        return 1
+
+    def after(self, point, time):
+        self.rows.append((point, time, float(self.simulation.values["c.x"])))
+
+
 def ended(result):
     outcome = result.manifest["outcome"]
     assert (outcome["status"], outcome["rows"]) == ("complete", len(result.time))
@@ -54,6 +67,7 @@ def test_with_the_step_it_took(foreign, stepping):
         assert result[f"{name}.x"].tolist() == result.time.tolist()
     assert result["before.y"].tolist() == [2 * t for t in result.time]
     assert ended(result) == {"component": "c", "time": 0.5, "message": "landed"}
+    assert repr(result).endswith("; complete, ended by c at 0.5 s: landed>")
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
@@ -84,12 +98,66 @@ def test_with_a_step_that_fmi_2_discards_at_its_end(foreign, stepping, saves):
 @pytest.mark.parametrize("stepping", STEPPINGS)
 @pytest.mark.parametrize("declared", [None, "true"])
 def test_in_the_midst_of_a_step(foreign, stepping, declared):
-    """The rows up to the step, and the time at which it ended; whether it says that it may return early or not."""
+    """Its own values have a row where it ended, the others' are of the point before; it may return early or not."""
     fmu = foreign("quitter", name=f"early_{declared}", mightReturnEarlyFromDoStep=declared)
     system = pair(fmu, {"at": 0.5, "how": EARLY, "reached": 0.4375})
     result = run(system, stop_time=1.0, step=0.125, stepping=stepping)
-    assert result.time.tolist() == [0.0, 0.125, 0.25, 0.375]
-    assert ended(result)["time"] == 0.4375
+    assert result.time.tolist() == [0.0, 0.125, 0.25, 0.375, 0.4375]
+    assert result["c.x"].tolist() == result.time.tolist()
+    assert result["before.x"].tolist() == result["after.x"].tolist() == [0.0, 0.125, 0.25, 0.375, 0.375]
+    assert ended(result) == {"component": "c", "time": 0.4375, "others_at": 0.375, "message": "landed"}
+
+
+@pytest.mark.parametrize("stepping", STEPPINGS)
+@pytest.mark.parametrize("saves", [None, "true"])
+def test_in_the_midst_of_a_step_that_fmi_2_discards(foreign, stepping, saves):
+    """Its last successful time lies within the step."""
+    fmu = foreign("quitter", "2.0", name=f"part_{saves}", canGetAndSetFMUstate=saves)
+    system = pair(fmu, {"at": 0.5, "how": PART_BY_DISCARD, "reached": 0.4375})
+    result = run(system, stop_time=1.0, step=0.125, stepping=stepping)
+    assert result.time.tolist() == result["c.x"].tolist() == [0.0, 0.125, 0.25, 0.375, 0.4375]
+    assert (ended(result)["time"], ended(result)["others_at"]) == (0.4375, 0.375)
+
+
+@pytest.mark.parametrize("stepping", STEPPINGS)
+def test_in_the_midst_of_the_last_step_that_is_shorter(foreign, stepping):
+    system = pair(foreign("quitter"), {"at": 0.55, "how": EARLY, "reached": 0.53125})
+    result = run(system, stop_time=0.5625, step=0.125, stepping=stepping)
+    assert result.time.tolist() == result["c.x"].tolist() == [0.0, 0.125, 0.25, 0.375, 0.5, 0.53125]
+    assert ended(result)["others_at"] == 0.5
+
+
+@pytest.mark.parametrize("isolated", [False, True])
+def test_in_the_midst_of_a_step_of_which_few_rows_are_kept(foreign, isolated):
+    """There is room for its row after the last one of the grid; a process of its own hands on its time, too."""
+    system = pair(foreign("quitter"), {"at": 0.5, "how": EARLY, "reached": 0.4375})
+    result = run(system, stop_time=0.625, step=0.125, record_every=3, isolated=isolated)
+    assert result.time.tolist() == result["c.x"].tolist() == [0.0, 0.375, 0.4375]
+    result = run(system, stop_time=0.625, step=0.125, record_every=9, isolated=isolated)
+    assert result.time.tolist() == result["c.x"].tolist() == [0.0, 0.4375]
+
+
+def test_in_the_midst_of_a_step_in_a_session(foreign):
+    system = pair(foreign("quitter"), {"at": 0.5, "how": EARLY, "reached": 0.4375})
+    with Session(system, step=0.125) as simulation:
+        rows = [(time, float(values["c.x"])) for time, values in simulation]
+        assert rows[-2:] == [(0.375, 0.375), (0.4375, 0.4375)]
+        assert simulation.ended.others_at == 0.375
+
+
+def test_watchers_see_each_row_once_and_at_its_time(foreign):
+    """At a point and between two, and at the end of a shorter step: as in the result."""
+    for start, stop in (
+        ({"at": 0.5}, 1.0),
+        ({"at": 0.5, "how": EARLY, "reached": 0.4375}, 1.0),
+        ({"at": 0.55}, 0.5625),
+        ({"at": 0.55, "how": EARLY, "reached": 0.53125}, 0.5625),
+        ({"at": 9.0}, 0.5625),
+    ):
+        seen = Seen()
+        result = run(pair(foreign("quitter"), start), stop_time=stop, step=0.125, watchers=[seen])
+        assert [time for _, time, _ in seen.rows] == [x for _, _, x in seen.rows] == result.time.tolist()
+        assert [k for k, _, _ in seen.rows] == list(range(len(result.time)))
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
@@ -130,10 +198,10 @@ def test_a_step_that_returns_at_no_time_of_its_own_is_refused(foreign, stepping,
 
 
 def test_long_recordings_end_in_any_piece(foreign):
-    """Pieces of the compiled loop begin and end anywhere; every hundredth row is kept."""
+    """Pieces of the compiled loop begin and end anywhere; every hundredth row is kept, and the end."""
     result = run(pair(foreign("quitter"), {"at": 30.0}), stop_time=100.0, step=0.0625, record_every=100)
     assert ended(result)["time"] == 30.0
-    assert result.time.tolist() == [0.0, 6.25, 12.5, 18.75, 25.0]
+    assert result.time.tolist() == [0.0, 6.25, 12.5, 18.75, 25.0, 30.0]
 
 
 def test_steps_yield_nothing_after_it(foreign):
@@ -164,6 +232,14 @@ def test_with_adaptive_steps(foreign, version):
     assert ended(result)["time"] == pytest.approx(0.5)
 
 
+def test_with_adaptive_steps_in_the_midst_of_one(foreign):
+    fmu = foreign("quitter", name="adapts", canGetAndSetFMUState="true")
+    system = pair(fmu, {"at": 0.5, "how": EARLY, "reached": 0.4375})
+    result = run(system, stop_time=1.0, step=0.25, adaptive=1e-3)
+    assert result.time.tolist() == result["c.x"].tolist() == [0.0, 0.25, 0.4375]
+    assert ended(result)["others_at"] == result["before.x"][-1] == 0.25
+
+
 # Coupled Model Exchange
 
 
@@ -177,6 +253,13 @@ def test_at_a_time_event(event, version, period, last, time):
     assert result["c.counter"].tolist()[-1] == last
     assert len(result.time) == int(time / 0.25) + 1 + (time % 0.25 > 1e-9)
     assert ended(result) == {"component": "c", "time": pytest.approx(time), "message": "it gave no reason"}
+
+
+def test_at_a_time_event_in_a_process_of_its_own(event):
+    system = System("alone")
+    system.add("c", event("stair", "3.0"), {"period": 0.35, "last": 3})
+    result = run(system, stop_time=9.0, step=0.25, isolated=True, **ME)
+    assert result.time[-1] == pytest.approx(1.05)
 
 
 @pytest.mark.parametrize("solver", ["DOP853", "CVode"])
@@ -203,9 +286,7 @@ def test_on_the_terminal(foreign, tmp_path, capsys, monkeypatch):
     fmu = foreign("quitter")
     arguments = ["run", str(fmu), "--stop", "1", "--step", "0.125", "--out", str(tmp_path), "--no-report"]
     monkeypatch.setattr("sys.argv", ["adcs", *arguments])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    assert end.value.code == 0
+    cli.main()  # which raises SystemExit for any exit code but 0
     assert "ended at t = 0.5 s by quitter: landed" in capsys.readouterr().out
     assert json.loads((tmp_path / "manifest.json").read_text())["outcome"]["ended"]["time"] == 0.5
     assert len((tmp_path / "result.csv").read_text().splitlines()) == 6
@@ -221,6 +302,10 @@ def test_in_a_flight(foreign):
     result = fly(pair(foreign("quitter"), {"at": 0.5}), Flight(), stop_time=1.0, step=0.25, fmi_version="3.0")
     assert result.time.tolist() == [0.0, 0.25, 0.5]
     assert ended(result)["component"] == "c"
+    system = pair(foreign("quitter"), {"at": 0.5, "how": EARLY, "reached": 0.375})
+    result = fly(system, Flight(), stop_time=1.0, step=0.25, fmi_version="3.0")
+    assert result.time.tolist() == result["c.x"].tolist() == [0.0, 0.25, 0.375]
+    assert ended(result)["others_at"] == 0.25
 
 
 # Comparisons that NaN passes
@@ -235,16 +320,25 @@ def test_a_next_event_at_no_time_is_refused(foreign, event, method):
         run(system, stop_time=2.0, step=0.25, method=method)
 
 
-def test_under_a_bridge(foreign):
+@pytest.mark.parametrize("method", ["co-simulation", "model-exchange"])
+def test_everyone_sees_the_last_row_at_its_time(foreign, event, method):
     seen = []
 
-    def watcher(simulation):
-        seen.append(simulation.k - 1)
-        return ()
+    class Watcher(Hook):
+        def begin(self, simulation, hooks, watched):
+            self.simulation = simulation
 
-    with Session(pair(foreign("quitter"), {"at": 0.5}), step=0.25) as simulation:
-        pace = Pace(Grid(0.0, 1e-4, 0))
-        pace.start(0)
-        _go(simulation, watcher, pace)
-        assert seen == [0, 1, 2]
-        assert simulation.ended.as_dict() == {"component": "c", "time": 0.5, "message": "landed"}
+        def ahead(self, k):
+            return 1
+
+        def after(self, point, time):
+            seen.append((point, time, self.simulation.row.tolist()))
+
+    system = pair(foreign("quitter"), {"at": 0.5})
+    if method == "model-exchange":
+        system = System("alone")
+        system.add("c", event("watcher", "3.0"), {"ends_at": 0.6, "threshold": 1e9})
+    result = run(system, stop_time=1.0, step=0.25, fmi_version="3.0", method=method, watchers=[Watcher()])
+    assert [point for point, _, _ in seen] == ([0, 1, 2] if method == "co-simulation" else [0, 1, 2, 3])
+    assert [time for _, time, _ in seen] == result.time.tolist()
+    assert [row for _, _, row in seen] == result.data.tolist()

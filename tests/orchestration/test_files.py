@@ -17,7 +17,7 @@ T5 = SYSTEMS["observer-pd"]
 
 
 def test_rows_that_go_to_a_file_are_those_in_memory(tmp_path, monkeypatch):
-    monkeypatch.setattr(hdf5, "_BUFFER", 1000)  # some 17 rows
+    monkeypatch.setattr(hdf5, "AT_ONCE", 1000)  # some 17 rows
     common = {"stop_time": 5, "step": 0.01}
     kept = run(T5.build(), **common)
     filed = run(T5.build(), **common, hdf5=tmp_path / "result.h5")
@@ -41,7 +41,7 @@ def test_rows_that_go_to_a_file_are_those_in_memory(tmp_path, monkeypatch):
 
 
 def test_a_result_in_memory_is_written_alike(tmp_path, monkeypatch):
-    monkeypatch.setattr(hdf5, "_BUFFER", 100)
+    monkeypatch.setattr(hdf5, "AT_ONCE", 100)
     result = run(T5.build(), stop_time=1, step=0.1)
     result.write_hdf5(tmp_path / "result.h5")
     with h5py.File(tmp_path / "result.h5") as file:

@@ -85,7 +85,10 @@ DOCUMENTS = {
         "has a document type declaration",
     ),
     "hidden": (lambda xml: '<?xml version="1.0" encoding="UTF-7"?>+ADwAIQ-DOCTYPE x+AD4-', "is in utf-7, expected"),
-    "deep": (lambda xml: xml.replace("<ModelVariables>", "<a>" * 100_000 + "<ModelVariables>"), "is not well-formed"),
+    "deep": (
+        lambda xml: xml.replace("<ModelVariables>", "<a>" * 100_000 + "<ModelVariables>"),
+        "has elements nested more than",
+    ),
     "nonsense": (lambda xml: "\0\1 nonsense", "is not well-formed XML"),
     "nothing": (lambda xml: "", "is not well-formed XML"),
     "not what it says": (lambda xml: xml.replace("UTF-8", "UTF-16"), "is not in UTF-16 as it says"),

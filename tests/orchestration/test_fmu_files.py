@@ -7,6 +7,7 @@ import fmpy
 import pytest
 
 from adcs import AdcsError, System, run
+from fmus.xml import parse
 from orchestration.fmu.file import extracted, locate, open_fmu
 
 
@@ -82,6 +83,22 @@ def test_invalid_model_description(mock, tmp_path):
 def test_malformed_xml(mock, tmp_path):
     path = edited(mock("gain"), tmp_path / "malformed.fmu", xml=("</fmiModelDescription>", ""))
     assert f"modelDescription.xml of {path} is not well-formed XML" in refused(path)
+
+
+@pytest.mark.parametrize(
+    ("inside", "limit"),
+    [
+        ("<a>" * 300 + "</a>" * 300, "elements nested more than 256 deep"),
+        (f"<a>{'x' * 10_100_000}</a>", "a text, name or attribute of more than 10 MB"),
+        (f"<!--{'x' * 10_100_000}-->", "a comment, instruction or CDATA section of more than 10 MB"),
+        (f"<{'a' * 60_000}/>", "a name of more than 50000 bytes"),
+    ],
+)
+def test_xml_beyond_a_limit_of_its_parser(inside, limit):
+    """The parser's own words advise an option that nobody can set here."""
+    with pytest.raises(AdcsError) as error:
+        parse(f"<r>{inside}</r>".encode(), "a.xml")
+    assert str(error.value) == f"a.xml has {limit}: refused, make it smaller"
 
 
 def test_no_binary_for_this_platform(mock, version, tmp_path):

@@ -3,16 +3,16 @@
 import json
 
 import pytest
-from typer.testing import CliRunner
 
 import fmus
 from adcs import AdcsError, write_ssp
 from adcs.catalogue import SYSTEMS
 from adcs.cli.app import app
+from tests.invoking import invoke
 
 
 def info(*arguments):
-    result = CliRunner().invoke(app, ["info", *map(str, arguments)])
+    result = invoke(app, ["info", *map(str, arguments)])
     if result.exception and not isinstance(result.exception, SystemExit):
         raise result.exception
     return result.stdout

@@ -17,7 +17,7 @@ import pytest
 import scipy.io
 from hostile import ROOT, adcs, as_file, start, system, until
 
-from adcs import AdcsError, RunFailed, System, run, write_ssp
+from adcs import AdcsError, Hook, RunFailed, System, run, write_ssp
 from orchestration.isolation import journal
 from orchestration.process.lock import Lock
 
@@ -92,7 +92,7 @@ def test_an_isolated_run_is_the_same_to_the_last_bit(chain, tmp_path):
 
 def test_an_isolated_run_refuses_by_name_what_cannot_cross(chain):
     with pytest.raises(AdcsError, match=r"^watchers: they are part of this process"):
-        run(chain(), **TIMES, isolated=True, watchers=[lambda simulation: ()])
+        run(chain(), **TIMES, isolated=True, watchers=[Hook()])
     with pytest.raises(AdcsError, match=r"^record: it cannot cross to the process of an isolated run"):
         run(chain(), **TIMES, isolated=True, record=(name for name in ("gain.y",)))
     with pytest.raises(AdcsError, match=r"^stop_time = -1\.0 s lies before start_time"):
@@ -183,7 +183,7 @@ def test_hdf5_as_rows_come_is_whole_though_its_file_was_closed(mock, tmp_path):
 from orchestration.results import hdf5
 from adcs import run
 from orchestration.ssp.read import read_ssp
-hdf5._BUFFER = 2
+hdf5.AT_ONCE = 2
 result = run(read_ssp("descriptors_doStep.ssp").system, stop_time=1.0, step=0.1, hdf5="result.h5")
 print(len(result["descriptors_doStep.y"]), *result.manifest["warnings"])
 """
@@ -245,7 +245,7 @@ def test_the_command_line_makes_the_files_of_a_run_that_died(mock, tmp_path, kin
     as_file(mock, tmp_path, name)
     (tmp_path / "out").mkdir()
     (tmp_path / "out/result.csv").write_text("of a run before")
-    options = ("--stop", 1, "--step", 0.1, "--out", "out", "--format", kind)
+    options = ("--stop", 1, "--step", 0.1, "--out", "out", "--force", "--format", kind)
     code, _, err = adcs("run", f"{name}.ssp", *options, cwd=tmp_path)
     assert code == 1, err
     message = f"{name} failed at t = 0.5 s: doStep ended the process: {SEGFAULT}"
@@ -344,7 +344,7 @@ def test_signals_end_a_run_with_its_files_written(mock, tmp_path, number):
         before=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     until(lambda: _rows(tmp_path) > 10)
-    refused, _, message = adcs("run", "signals_doStep.ssp", *LONG, cwd=tmp_path)
+    refused, _, message = adcs("run", "signals_doStep.ssp", *LONG, "--force", cwd=tmp_path)
     assert (refused, len(message.splitlines())) == (1, 1)
     assert "out belongs to a run that goes on (process " in message
     process.send_signal(number)

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import foreign_fmus
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 
 from adcs import AdcsError, RunFailed, Session, System, run
 from orchestration.fmu.number_types import RANGES, first_beyond, first_misfit
-from orchestration.running.live import Inputs
+from orchestration.running.hooks.inputs import Table
 
 Foreign = Callable[..., Path]
 STEPPINGS = ["compiled", "python"]
@@ -155,7 +156,7 @@ def test_the_limit_is_exact_in_tables(types, tmp_path, cell):
         given(types, tmp_path, "table", "UInt64", 1e300)
     times = np.array([0.0])
     with pytest.raises(AdcsError, match=rf"c\.u_UInt64 = {FIRST} at 0 s is beyond"):
-        Inputs(alone(types), times, {"c.u_UInt64": np.array([FIRST])})
+        Table(alone(types), times, {"c.u_UInt64": np.array([FIRST])})
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
@@ -193,7 +194,8 @@ def test_what_comes_from_outside_at_a_point_is_looked_at_there(types, stepping, 
     external = [f"c.u_{kind}"]
     with Session(alone(types), step=0.1, steps=2, stepping=stepping, external=external) as simulation:
         rows = np.empty((1, simulation.recording.size))
-        _, written, failed = simulation.advance(1, np.array([[value]]), rows)
+        simulation.source = SimpleNamespace(at=lambda times: np.array([[value]]))
+        _, written, failed = simulation.advance(1, rows)
     assert written == 0
     assert str(failed) == f"c failed at t = 0 s: u_{kind} = {value} does not fit type {kind}"
 

@@ -18,7 +18,7 @@ def run(tmp_path, capsys):
 
     def command(*arguments, system="observer-pd", code=0):
         capsys.readouterr()
-        assert adcs("run", system, *arguments, "--no-report", "--json", "--out", tmp_path) == code
+        assert adcs("run", system, *arguments, "--no-report", "--json", "--force", "--out", tmp_path) == code
         return json.loads(capsys.readouterr().out), json.loads((tmp_path / "manifest.json").read_text())
 
     return command
@@ -97,7 +97,7 @@ def test_inputs_from_a_table(run, tmp_path):
     names = [f"plant.torque_disturbance_B[{i}][N.m]" for i in (1, 2, 3)]
     source = tmp_path / "inputs.csv"
     source.write_text(f"time[s],{','.join(names)}\n0,0,0,0\n1,1,2,4\n")
-    run("--stop", 1, "--inputs", source, "--record", "plant.torque_disturbance_B")
+    run("--stop", 1, "--input-table", source, "--record", "plant.torque_disturbance_B")
     got = table(tmp_path)
     assert got["plant.torque_disturbance_B[3][N.m]"].to_numpy() == pytest.approx(4 * got.index.to_numpy(), abs=1e-15)
 
@@ -143,9 +143,8 @@ def test_an_exchange_step_that_does_not_divide_the_control_period_is_refused(cap
         (("--delay", "plant.torque_disturbance_B=1"), "adcs: nothing is connected to plant.torque_disturbance_B"),
         (("--delay", "plant.torque_B=late"), "adcs: --delay plant.torque_B: 'late' is not a time"),
         (("--stop", "0"), "adcs: stop = 0 s is the start time: give a later one"),
-        (("--format", "xls"), "adcs: --format xls: expected csv, mat, hdf5"),
         (("--resume", "nothing"), "adcs: cannot open nothing: No such file or directory"),
-        (("--inputs", "nothing.csv"), "adcs: cannot open nothing.csv: No such file or directory"),
+        (("--input-table", "nothing.csv"), "adcs: cannot open nothing.csv: No such file or directory"),
     ],
 )
 def test_errors_are_one_line(tmp_path, capsys, arguments, message):

@@ -220,6 +220,16 @@ def test_components_hear_of_completed_steps(single, version, solver):
     assert result["c.y"][-1] == pytest.approx(3.0 - fired_at, abs=1e-9)
 
 
+def test_events_that_change_nothing_do_not_hold_up_the_integration(single, version, solver):
+    """One is asked for after every step, which are as many as without."""
+    calm, asking = (
+        run(single("watcher", version, {"threshold": 9.0, "always": always}), stop_time=3, step=3, **settings(solver))
+        for always in (0.0, 1.0)
+    )
+    assert asking["c.steps"].tolist() == calm["c.steps"].tolist()
+    assert asking["c.y"].tolist() == calm["c.y"].tolist()
+
+
 def test_a_step_that_leads_out_of_bounds_is_made_shorter(single, version, solver):
     result = run(single("bounded", version, {"status": True}), stop_time=3.5, step=0.7, **settings(solver))
     assert result["c.resets"].tolist() == [0, 0, 1, 2, 2, 3]

@@ -9,7 +9,7 @@ import pytest
 
 from adcs import AdcsError, RunFailed, Session, System, run
 from orchestration.instances.instance import Instance
-from orchestration.running.live import Change
+from orchestration.running.change import Change
 
 Foreign = Callable[..., Path]
 STEPPINGS = ["compiled", "python"]

@@ -8,12 +8,12 @@ import h5py
 import numpy as np
 import pytest
 import scipy.io
-from typer.testing import CliRunner
 
 from adcs import AdcsError, System, run
 from adcs.cli.app import app
 from orchestration.fmu.file import open_fmu
 from orchestration.single import single
+from tests.invoking import invoke
 
 
 @pytest.fixture
@@ -120,7 +120,7 @@ def test_on_the_command_line(square, tmp_path, kind):
     options = [f"--{name}={value}" for name, value in (("stop", 0.2), ("step", 0.1), ("out", out), ("format", kind))]
     words = ["square.label=hello", "square.rows=0", "square.deep=false", "square.columns=0", "square.margin=2.5"]
     given = [option for word in words for option in ("--set", word)]
-    result = CliRunner().invoke(app, ["run", str(square), *given, *options, "--in-process"])
+    result = invoke(app, ["run", str(square), *given, *options, "--in-process"])
     assert result.exit_code == 0, result.output
     start = json.loads((out / "manifest.json").read_text())
     assert "hello" in json.dumps(start)

@@ -20,6 +20,7 @@ from orchestration.results.plots import (
     limits,
     plotly_figure,
     thin,
+    told_apart,
     write_png,
 )
 
@@ -85,6 +86,10 @@ class TestPlotly:
         assert figure["layout"]["yaxis"]["title"]["text"] == "ω [rad/s]"
         assert figure["layout"]["xaxis"]["title"]["text"] == "time [s]"
         assert figure["layout"]["yaxis"]["type"] == "linear"
+
+    def test_dashes_tell_three_runs_apart(self) -> None:
+        given = list(told_apart({"a": 1, "b": 2, "c": 3, "d": 4}))
+        assert given == [("a", 1, "solid"), ("b", 2, "dash"), ("c", 3, "dot")]
 
     def test_logarithmic_axis_leaves_out_what_is_not_positive(self) -> None:
         given = np.array([0.0, 1.0, -1.0, np.nan, 10.0])

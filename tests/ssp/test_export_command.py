@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import pytest
-import typer
-from typer.testing import CliRunner
 
 from adcs import AdcsError, read_ssp
 from adcs.catalogue import SYSTEMS
-from adcs.cli.export import app as commands
+from adcs.cli.app import app
+from tests.invoking import invoke
 
 
 @pytest.fixture
 def export(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    app = typer.Typer()
-    app.registered_commands += commands.registered_commands
-    app.command("other")(lambda: None)  # one command alone would lose its name
 
     def call(*arguments):
-        result = CliRunner().invoke(app, ["export", *arguments])
+        result = invoke(app, ["export", *arguments])
         if result.exception is not None and not isinstance(result.exception, SystemExit):
             raise result.exception
         assert result.exit_code == 0, result.output

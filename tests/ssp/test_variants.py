@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 from packages import bindings, component, elements, parameters, ssd
-from typer.testing import CliRunner
 
 from adcs import AdcsError, read_ssp
 from adcs.catalogue import find_system
 from adcs.cli.app import app
 from orchestration.from_file import from_anywhere
+from tests.invoking import invoke
 
 
 def variant(k, stop):
@@ -101,7 +101,7 @@ def test_names_are_found_from_anywhere(theirs, monkeypatch):
 
 class TestCommands:
     def call(self, *arguments):
-        result = CliRunner().invoke(app, list(map(str, arguments)))
+        result = invoke(app, list(map(str, arguments)))
         if result.exception and not isinstance(result.exception, SystemExit):
             raise result.exception
         return result.stdout
@@ -129,7 +129,7 @@ def test_a_variant_is_run(package, foreign, tmp_path):
 
     path = package(with_offset(1), {"resources/c.fmu": foreign("sizes")}, {"Other.ssd": with_offset(5)})
     options = ("--stop", "1", "--step", "1", "--out", tmp_path / "out", "--json", "--in-process", "--no-report")
-    ran = CliRunner().invoke(app, list(map(str, ("run", f"{path}#Other.ssd", *options))))
+    ran = invoke(app, list(map(str, ("run", f"{path}#Other.ssd", *options))))
     assert ran.exit_code == 0, ran.output
     numbers = {n["label"]: n["value"] for n in json.loads(ran.stdout)["key_numbers"]}
     assert numbers["c.total"] == 15.0

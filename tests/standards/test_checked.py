@@ -2,13 +2,16 @@
 
 import importlib
 import zipfile
+from types import SimpleNamespace
 
 import pytest
+from fmpy.validation import _validate_variable_names
 
 import fmus
 from adcs import AdcsError, System, read_ssp, run
 from adcs.catalogue import find_system
 from fmus.check import check
+from fmus.checks.description import _PLAIN_NAME
 from orchestration.fmu.file import open_fmu
 from orchestration.single import single
 
@@ -33,6 +36,30 @@ def test_names_follow_their_convention(tmp_path):
     assert '"a b"' in found(structured)
     assert '"a b"' not in found(flat)
     assert set(open_fmu(flat).ports) == set(open_fmu(structured).ports)
+
+
+@pytest.mark.parametrize(
+    ("name", "plain"),
+    [
+        *(("a_1", True), ("a.b[1,2].c", True), ("_x[10]", True)),
+        *(
+            ("a b", False),
+            ("1a", False),
+            ("a.", False),
+            ("a[]", False),
+            ("der(a)", False),
+            ("'a b'", False),
+            ("ä", False),
+        ),
+    ],
+)
+def test_only_names_that_are_not_plain_cost_a_parser(name, plain):
+    """Whose answer is the same for the others: that they are right."""
+    assert bool(_PLAIN_NAME.fullmatch(name)) == plain
+    if plain:
+        variable = SimpleNamespace(name=name, sourceline=1)
+        model = SimpleNamespace(variableNamingConvention="structured", modelVariables=[variable])
+        assert _validate_variable_names(model) == []
 
 
 @pytest.mark.parametrize("version", ["2.0", "3.0"])

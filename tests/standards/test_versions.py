@@ -4,7 +4,6 @@ import importlib
 import logging
 
 import pytest
-from typer.testing import CliRunner
 
 import fmus
 from adcs import AdcsError, run
@@ -12,6 +11,7 @@ from adcs.cli.app import app
 from fmus.check import check
 from orchestration.fmu.file import open_fmu
 from orchestration.single import single
+from tests.invoking import invoke
 
 from .small import changed, description2, description3, packed
 
@@ -47,7 +47,7 @@ def test_the_warning_of_a_minor_version_comes_once(of_version, caplog):
 
 
 def test_info_shows_the_version_of_the_file(of_version):
-    shown = CliRunner().invoke(app, ["info", str(of_version("3.0.1"))])
+    shown = invoke(app, ["info", str(of_version("3.0.1"))])
     assert shown.exit_code == 0
     assert "FMI 3.0.1, " in shown.output
 

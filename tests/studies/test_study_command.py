@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from adcs import AdcsError
 from adcs.cli import study as cli
 from adcs.library.entry import StudyEntry
 from adcs.library.outcome import Outcome, Progress, Row
 from orchestration.results.plots import Panel, Series
+from tests.invoking import invoke
 
 MANIFEST = {
     "started": "2020-01-01",
@@ -48,13 +48,13 @@ def toy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 
 def test_json_is_all_that_is_printed_to_stdout() -> None:
-    result = CliRunner().invoke(cli.app, ["toy", "--json", "--set", "settled=0.5"])
+    result = invoke(cli.app, ["toy", "--json", "--set", "settled=0.5"])
     assert result.exit_code == 0
     assert json.loads(result.stdout)[0]["ours"] == 0.5
 
 
 def test_files() -> None:
-    result = CliRunner().invoke(cli.app, ["toy"])
+    result = invoke(cli.app, ["toy"])
     assert result.exit_code == 0
     folder = Path("results/study-toy")
     names = {"index.html", "rows.csv", "rows.json", "runs.json", "1-2-first-last.png"}
@@ -68,12 +68,20 @@ def test_files() -> None:
 
 
 def test_out_names_the_folder() -> None:
-    CliRunner().invoke(cli.app, ["toy", "--out", "there"])
+    invoke(cli.app, ["toy", "--out", "there"])
     assert Path("there/index.html").exists()
 
 
+def test_a_second_study_gets_the_next_number_and_force_replaces() -> None:
+    assert [invoke(cli.app, ["toy"]).stdout.split()[-1] for _ in range(2)] == [
+        "results/study-toy/index.html",
+        "results/study-toy-2/index.html",
+    ]
+    assert invoke(cli.app, ["toy", "--force"]).stdout.split()[-1] == "results/study-toy/index.html"
+
+
 def test_unknown_study() -> None:
-    result = CliRunner().invoke(cli.app, ["nothing"])
+    result = invoke(cli.app, ["nothing"])
     assert isinstance(result.exception, AdcsError)
     assert str(result.exception) == "no study 'nothing': choose one of toy"
 

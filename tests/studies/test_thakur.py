@@ -23,6 +23,7 @@ from adcs.library.thakur.observer.signals import (
     TORQUE,
     Signals,
 )
+from adcs.library.thakur.sequences import spread
 
 
 def runner(runs: int = 1000) -> Runner:
@@ -200,6 +201,9 @@ class TestNoise:
     def test_growth(self) -> None:
         judged = self.judged(self.rows(1.5e-4, 1e-4), "0.5 deg / 0.05 deg")
         assert judged == {"ours": {"10"}, "verdict": {"reproduced"}}
+
+    def test_ratios_are_taken_sequence_by_sequence(self) -> None:
+        assert spread([3.0, 2.0], [2.0, 4.0]) == "0.5 to 1.5 over 2 noise sequences"
 
     def test_real_noise_keeps_the_errors_from_vanishing(self) -> None:
         choices = Choices(stop_time=100.0, steady_from=90.0, draws=1)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
 import zipfile
 from dataclasses import dataclass, field
 from math import prod
@@ -11,11 +9,9 @@ from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 import fmpy
-import ziglang
 
-from fmus.paths import BUILD
+from mocks.compiler import compile_library
 
-HERE = Path(__file__).parent
 TOKEN = "{mock}"
 
 
@@ -158,20 +154,12 @@ def _compile(model: str, variables: list[Variable], places: dict[str, int], size
         for i, value in enumerate(variable.starts or []):
             starts[places[variable.name] + i] = value
     names = {name.replace("der(", "der_").rstrip(")"): place for name, place in places.items()}
-    generated = binary.with_suffix(".include")
-    generated.mkdir()
-    (generated / "variables.h").write_text(
+    header = (
         f'#define TOKEN "{TOKEN}"\n#define N_VALUES {size}\n'
         f"#define START {{{', '.join(map(repr, starts))}}}\n#define LENGTHS {{{', '.join(map(str, lengths))}}}\n"
         f"enum {{ {', '.join(f'{name} = {place}' for name, place in names.items())} }};\n"
     )
-    headers = Path(fmpy.__file__).parent / "c-code"
-    zig = Path(ziglang.__file__).parent / ("zig.exe" if os.name == "nt" else "zig")
-    cache = {"ZIG_GLOBAL_CACHE_DIR": str(BUILD / "zig"), "ZIG_LOCAL_CACHE_DIR": str(BUILD / "zig")}
-    command = [zig, "cc", "-std=c11", "-O1", "-shared", "-fPIC", f"-I{headers}", f"-I{generated}", f"-I{HERE}"]
-    subprocess.run(
-        [*command, HERE / f"{model}.c", HERE / "unused.c", "-lm", "-o", binary], check=True, env=os.environ | cache
-    )
+    compile_library(model, "unused", header, binary)
 
 
 def _xml2(model: str, variables: list[Variable], places: dict[str, int], indicators: int) -> str:

@@ -1,4 +1,5 @@
-/* x' = 1; looks at x after each integrator step, and asks for an event where it has passed the threshold.
+/* x' = 1; looks at x after each integrator step, and asks for an event where it has passed the threshold,
+ * or after every step, where nothing changes.
  * It ends the simulation after the first step that reaches `ends_at`. */
 #define EVENT
 #define COMPLETED
@@ -13,7 +14,7 @@ static int calculate(Model *m) {
 static int completed(Model *m) {
     m->v[steps] += 1.0;
     m->terminate = m->time >= m->v[ends_at];
-    return m->v[x] > m->v[threshold] && !m->v[fired];
+    return m->v[always] > 0 || (m->v[x] > m->v[threshold] && !m->v[fired]);
 }
 
 static void event(Model *m) {

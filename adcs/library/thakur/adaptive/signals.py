@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from adcs.library import attitude
 from adcs.library.outcome import Row, Verdict
 from adcs.library.thakur.adaptive.settings import FUEL_RATES, MASSES, THETA
-from orchestration.results.plots import Dash, Guide, Panel, Series
+from orchestration.results.plots import Guide, Panel, Series, told_apart
 from orchestration.results.result import Result
 
 Array = NDArray[np.float64]
@@ -139,10 +139,9 @@ def norm_panel(
 
 def moments_panel(runs: Mapping[str, Track], title: str, group: str) -> Panel:
     """Principal moments of inertia, runs told apart by the dashes."""
-    dashes: Sequence[Dash] = ("solid", "dash", "dot")
     series = [
         Series(f"{label} λ{i + 1}".strip(), run.time, run.moments[:, i], dash, color=i)
-        for (label, run), dash in zip(runs.items(), dashes, strict=False)
+        for label, run, dash in told_apart(runs)
         for i in range(3)
     ]
     return Panel(title, "principal moments [kg·m²]", series, group=group)

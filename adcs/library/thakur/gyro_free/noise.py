@@ -15,6 +15,7 @@ from adcs.library.thakur.gyro_free.level import start_value, sufficient_level
 from adcs.library.thakur.gyro_free.settings import HALF_ANGLE, Start
 from adcs.library.thakur.gyro_free.signals import ANGLE, MEASURES, RATE, SYMBOLS, TORQUE, Motion, motion, panel
 from adcs.library.thakur.gyro_free.systems import RECORD, gyro_free, gyro_free_full_state
+from adcs.library.thakur.sequences import spread
 from orchestration.results.plots import Panel
 from orchestration.results.report import KeyNumber, Table
 from orchestration.system import System
@@ -184,11 +185,8 @@ def _no_worse(runs: dict[Key, list[Motion]], steady: dict[Key, Steady], choices:
     rows = []
     for name in (ANGLE, RATE):
         ratio = steady[GYRO_FREE, HALF_ANGLE][name] / steady[FULL_STATE, HALF_ANGLE][name]
-        single = [
-            _steady([a], choices)[name] / _steady([b], choices)[name]
-            for a, b in zip(runs[GYRO_FREE, HALF_ANGLE], runs[FULL_STATE, HALF_ANGLE], strict=True)
-        ]
-        note = f"{min(single):.3g} to {max(single):.3g} over {len(single)} noise sequences; judged at {NO_WORSE:g}"
+        pair = ([_steady([r], choices)[name] for r in runs[c, HALF_ANGLE]] for c in (GYRO_FREE, FULL_STATE))
+        note = f"{spread(*pair)}; judged at {NO_WORSE:g}"
         if ratio > NO_WORSE:
             note += "; full state knows the true rate, while the filter's derivative takes noise for motion"
         rows.append(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from adcs.library import attitude
 from adcs.library.thakur.gyro_free.settings import Q_RN
-from orchestration.results.plots import Dash, Guide, Panel, Series, components
+from orchestration.results.plots import Guide, Panel, Series, components, told_apart
 from orchestration.results.result import Result
 
 Array = NDArray[np.float64]
@@ -99,10 +99,9 @@ def panel(
 
 def vector_panel(name: str, label: str, runs: Mapping[str, Motion], title: str, group: str = "") -> Panel:
     """The components of a vector, the runs told apart by the dashes."""
-    dashes: Sequence[Dash] = ("solid", "dash", "dot")
     series = [
         curve
-        for (run_label, run), dash in zip(runs.items(), dashes, strict=False)
+        for run_label, run, dash in told_apart(runs)
         for curve in components(run_label, run.time, run.vectors[name], dash)
     ]
     return Panel(title, label, series, group=group)

@@ -23,6 +23,7 @@ from adcs.library.thakur.observer.signals import (
     signals,
 )
 from adcs.library.thakur.observer.systems import RECORD, RECORD_OBSERVER, full_state_pd, observer_pd
+from adcs.library.thakur.sequences import spread
 from orchestration.results.plots import Panel
 from orchestration.results.report import KeyNumber, Table
 from orchestration.system import System
@@ -135,18 +136,15 @@ def _slightly_better(runs: dict[Key, list[Signals]], steady: dict[Key, Steady], 
     for angle in (SMALL, LARGE):
         for name in (ATTITUDE, RATE):
             ratio = steady[OBSERVER, angle][name] / steady[FULL_STATE, angle][name]
-            single = [
-                steady_values([a], choices)[name] / steady_values([b], choices)[name]
-                for a, b in zip(runs[OBSERVER, angle], runs[FULL_STATE, angle], strict=True)
-            ]
-            spread = f"{min(single):.3g} to {max(single):.3g} over {len(single)} noise sequences"
+            pair = ([steady_values([r], choices)[name] for r in runs[c, angle]] for c in (OBSERVER, FULL_STATE))
+            ratios = spread(*pair)
             judged = f"judged at a factor of {choices.marginal:g}"
             if ratio <= 1:
-                note = f"full state is not better; {spread}"
+                note = f"full state is not better; {ratios}"
             elif ratio <= choices.marginal:
-                note = f"{spread}; {judged}"
+                note = f"{ratios}; {judged}"
             else:
-                note = f"full state is better, by more than slightly: {spread}; {judged}"
+                note = f"full state is better, by more than slightly: {ratios}; {judged}"
             rows.append(
                 _row(
                     f"steady-state {name}, observer / full state",

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from adcs.library import attitude
 from adcs.library.thakur.observer.settings import PD_GAINS
-from orchestration.results.plots import Dash, Guide, Panel, Series, components
+from orchestration.results.plots import Guide, Panel, Series, components, told_apart
 from orchestration.results.result import Result
 
 Array = NDArray[np.float64]
@@ -103,11 +103,10 @@ def signals(result: Result) -> Signals:
 def component_panel(name: str, runs: Mapping[str, Signals], title: str = "", group: str = "") -> Panel:
     """The three components of an error, all runs that have it in one panel, told apart by the dashes."""
     symbol, unit = SYMBOLS[name]
-    dashes: Sequence[Dash] = ("solid", "dash", "dot")
     having = {label: run for label, run in runs.items() if name in run.vectors}
     series = [
         curve
-        for (label, run), dash in zip(having.items(), dashes, strict=False)
+        for label, run, dash in told_apart(having)
         for curve in components(label, run.time, run.vectors[name], dash)
     ]
     return Panel(title or name.capitalize(), symbol + unit, series, group=group)

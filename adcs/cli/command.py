@@ -1,0 +1,80 @@
+"""How a command and its options are declared: `command` and `group`, and the types that options share.
+
+A group is a class whose fields are its options: `step` is `--step`, and the text below a field is its help. A command
+has the group as a parameter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from datetime import datetime
+from typing import Annotated, Any, TypeVar, dataclass_transform
+
+from cyclopts import App, Group, Parameter, Token
+
+from adcs.cli import words
+
+_Class = TypeVar("_Class")
+_titles: dict[str, int] = {}  # and where they stand in the help
+
+
+def command(name: str, *examples: str) -> App:
+    """Return the command `adcs NAME`, whose help ends with examples; its function is what `.default` decorates."""
+    style = Parameter(negative=(), allow_repeating=True, show_default=_default)
+    lines = "".join(f"    {example}\n" for example in examples)
+    return App(
+        name=name,
+        default_parameter=style,
+        help_format="markdown",
+        help_epilogue=f"Examples:\n\n{lines}" if examples else None,
+        exit_on_error=False,
+        print_error=False,
+        result_action="return_value",
+    )
+
+
+def _default(value: Any) -> str | None:
+    if value is None or value is False or value in ((), ""):
+        return None
+    return value.isoformat() if isinstance(value, datetime) else str(value)
+
+
+@dataclass_transform(kw_only_default=True, frozen_default=True)
+def group(title: str) -> Callable[[type[_Class]], type[_Class]]:
+    """Make a class a group of options with this title in the help, in the order in which they are made."""
+    place = _titles.setdefault(title, len(_titles) + 1)
+
+    def made(cls: type[_Class]) -> type[_Class]:
+        return Parameter(name="*", group=Group(title, sort_key=place))(dataclass(frozen=True, kw_only=True)(cls))
+
+    return made
+
+
+def given(options: Any) -> list[str]:
+    """Name the options of a group that are not as they are by default, as they are written."""
+    return [f"--{f.name.replace('_', '-')}" for f in fields(options) if getattr(options, f.name) != f.default]
+
+
+def _seconds(kind: Any, tokens: tuple[Token, ...]) -> float:
+    return words.time(tokens[0].value)
+
+
+Time = Annotated[
+    float,
+    Parameter(
+        converter=_seconds,
+        metavar="TIME",
+        allow_leading_hyphen=True,
+        show_default=lambda value: None if value is None else f"{value:g}s",
+    ),
+]
+"""A time [s], which is written with a unit, 10ms, or as a plain number of seconds."""
+
+Speed = Annotated[float, Parameter(metavar="SPEED", show_default=lambda value: None if value is None else f"{value:g}")]
+"""How many simulated seconds go by in one on the clock."""
+
+Epoch = Annotated[
+    datetime, Parameter(converter=lambda kind, tokens: datetime.fromisoformat(tokens[0].value), metavar="UTC")
+]
+"""The moment of t = 0: a date with or without a time, UTC where it has no time zone."""

@@ -1,0 +1,212 @@
+"""The options of the commands, each written once: in groups, which a command that takes one takes as a whole."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager
+from datetime import datetime
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from adcs.catalogue import find_system
+from adcs.cli import words
+from adcs.cli.command import Epoch, Speed, Time, group
+from adcs.cli.showing import Format
+from hil_bridge.frames import FrameName
+from orchestration.coupled import SolverName
+from orchestration.entry import SystemEntry
+from orchestration.fmu.file import FmiVersion, Kind
+from orchestration.isolation.folder import ResultsFolder, new_results
+from orchestration.plan.loops import LoopMethod
+from orchestration.running.session import Stepping
+from orchestration.system import System
+
+SystemName = Annotated[
+    str, Parameter(help="Name of a system or of a built component (`adcs list`), or an .ssp or .fmu file.")
+]
+
+
+@group("System")
+class Which:
+    """What is done to the system that is named, before anything happens with it."""
+
+    set: Annotated[tuple[str, ...], Parameter(metavar="NAME=VALUE")] = ()
+    """Start value of a COMPONENT.VARIABLE; may be repeated. VALUE is 1.5, 0.05deg, 1,2,3 or [[1,2],[3,4]]."""
+    every: Annotated[tuple[str, ...], Parameter(metavar="COMPONENT=N")] = ()
+    """Let a component communicate at every N-th step only; may be repeated."""
+    delay: Annotated[tuple[str, ...], Parameter(metavar="INPUT=N|TIME")] = ()
+    """Delay what arrives at a connected input by N steps, or by a time as in 0.1s; may be repeated."""
+    fmi: Literal["2", "3"] | None = None
+    """FMI version of the components that are known by name. [default: 2]"""
+
+    @property
+    def fmi_version(self) -> FmiVersion:
+        """The version as FMUs write it."""
+        return "3.0" if self.fmi == "3" else "2.0"
+
+    def built(self, name: str) -> tuple[SystemEntry, System]:
+        """Find a system, build it and do to it what the options say."""
+        entry = find_system(name)
+        system = entry.build()
+        words.assign(system, self.set)
+        for text in self.every:
+            words.every(system, text)
+        for text in self.delay:
+            words.delay(system, text)
+        return entry, system
+
+
+@group("Time")
+class Steps:
+    """How far, and in which steps."""
+
+    step: Time | None = None
+    """Time between two exchanges and two rows. [default: that of the system]"""
+    stop: Time | None = None
+    """Stop time; the last step of a run is shorter, if need be. [default: that of the system; a bridge never stops]"""
+
+    def step_of(self, entry: SystemEntry) -> float:
+        """Return the exchange step [s], which the system does not refuse."""
+        step = entry.step if self.step is None else self.step
+        if step > 0:
+            entry.check_step(step)
+        return step
+
+    def stop_of(self, entry: SystemEntry) -> float:
+        """Return the stop time [s]."""
+        return entry.stop_time if self.stop is None else self.stop
+
+
+@group("Time")
+class Times(Steps):
+    """From when, how far, and in which steps."""
+
+    start: Time | None = None
+    """Start time. [default: that of the system]"""
+
+    def start_of(self, entry: SystemEntry) -> float:
+        """Return the start time [s]."""
+        return entry.start_time if self.start is None else self.start
+
+
+@group("How it is solved")
+class Solving:
+    """The method."""
+
+    method: Kind = "co-simulation"
+    """Exchange values every step, or integrate all components as one differential equation."""
+    solver: SolverName = "DOP853"
+    """Integrator of model-exchange."""
+    stepping: Stepping = "compiled"
+    """Loop of co-simulation; both give the same to the last bit."""
+    solve_loops: LoopMethod | None = None
+    """Solve algebraic loops by this method."""
+    adaptive: Annotated[float | None, Parameter(metavar="TOLERANCE")] = None
+    """Choose exchange steps of --step/2^j so that halving them changes no output by more than TOLERANCE * (1 + its
+    size)."""
+    estimate_error: bool = False
+    """Say what the exchange step costs in accuracy, output by output."""
+
+
+@group("What happens during the run")
+class During:
+    """What happens on the way."""
+
+    at: Annotated[tuple[str, ...], Parameter(metavar="TIME NAME=VALUE", allow_leading_hyphen=True)] = ()
+    """Set an unconnected input or a tunable parameter at a time, as in 120s; may be repeated."""
+    input_table: Path | None = None
+    """CSV table of unconnected inputs: columns `time` and COMPONENT.VARIABLE."""
+    until: Annotated[str | None, Parameter(metavar="CONDITION")] = None
+    """End at the first row where "norm(NAME) < 1e-4 and time > 20" holds; also max(), min(), abs(), or, not, <=, >, >=,
+    + - * /."""
+    real_time: Speed | None = None
+    """Keep pace with the clock, SPEED times as fast."""
+    timeout: Time = 120.0
+    """Give up when one call of a component takes longer."""
+    checkpoint: Path | None = None
+    """Save the state at the end to this file."""
+    checkpoint_every: Time | None = None
+    """Save it every so much simulated time, too."""
+    resume: Path | None = None
+    """Go on from a saved state."""
+    in_process: bool = False
+    """Do without a process of its own for the run, as for a debugger."""
+
+
+@group("Ground tools")
+class Endpoints:
+    """Where messages are sent to, and who may be there."""
+
+    to: Annotated[tuple[str, ...], Parameter(metavar="KIND:HOST:PORT")] = ()
+    """Where ground tools are: udpout:, udpin: or tcpin:; may be repeated. [default: udpout:127.0.0.1:14550 and
+    :14540]"""
+    remote: bool = False
+    """Let that be beyond this machine; read `docs/mavlink.md` first."""
+    peer: Annotated[tuple[str, ...], Parameter(metavar="ADDRESS")] = ()
+    """Hear this address only (udpin, tcpin); may be repeated."""
+
+
+@group("Ground tools")
+class GroundTools(Endpoints):
+    """What ground tools see and may do, besides."""
+
+    allow: Annotated[str, Parameter(metavar="WHAT,...")] = ""
+    """Let them: arm, param, attitude."""
+    key: Path | None = None
+    """Sign messages, and take signed ones only, with the key in this file."""
+    frame: FrameName = "ned"
+    """Frame of the attitude."""
+    epoch: Epoch = datetime(2026, 1, 1)
+    """UTC at t = 0, for the turning Earth."""
+    position: Annotated[str, Parameter(metavar="LAT,LON,HEIGHT", allow_leading_hyphen=True)] = "0,0,500km"
+    """Where a system without orbit is shown [deg, m]."""
+    map: Annotated[tuple[str, ...], Parameter(metavar="ROLE=NAME")] = ()
+    """Variable of a role, as attitude or rate, or a TOML file; may be repeated."""
+    show: Annotated[tuple[str, ...], Parameter(metavar="NAME")] = ()
+    """Show this output besides; may be repeated."""
+    rate: Annotated[tuple[str, ...], Parameter(metavar="MESSAGE=HZ")] = ()
+    """Rate of a message; may be repeated."""
+    wheel_limit: float | None = None
+    """Speed at which a wheel is saturated [rad/s]."""
+    tlog: Path | None = None
+    """Write a telemetry log."""
+
+
+@group("Ground tools")
+class Streaming(GroundTools):
+    """Whether there are any, for a run that may do without."""
+
+    mavlink: bool = False
+    """Stream the run by MAVLink, in real time unless --real-time says otherwise."""
+
+
+@group("Results")
+class Report:
+    """Where the results go, and how they are told."""
+
+    out: Path | None = None
+    """Folder of the results; one that holds some already gets the next number, as in NAME-2. [default:
+    results/SYSTEM]"""
+    force: bool = False
+    """Replace the results that the folder holds."""
+    no_report: bool = False
+    """Write no report.html and report.png."""
+    json: bool = False
+    """Print key numbers, outcome and files as JSON."""
+
+    def folder(self, entry: SystemEntry) -> AbstractContextManager[ResultsFolder]:
+        """Take the folder, for as long as it is written to."""
+        return new_results(self.out or Path("results") / entry.name, self.force)
+
+
+@group("Results")
+class Results(Report):
+    """Which results there are besides."""
+
+    record: Annotated[tuple[str, ...], Parameter(metavar="NAME")] = ()
+    """Write this variable only; may be repeated. [default: all outputs]"""
+    record_every: Annotated[int, Parameter(metavar="N")] = 1
+    """Write every N-th row only."""
+    format: tuple[Format, ...] = ()
+    """Kind of result file; may be repeated. With hdf5 alone a run may be larger than memory. [default: csv, mat]"""

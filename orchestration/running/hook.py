@@ -1,0 +1,90 @@
+"""What takes part in a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from orchestration.fmu.file import Kind
+from orchestration.grid import Grid
+from orchestration.plan.lowering import Floats
+from orchestration.plan.outside import Source
+from orchestration.results.result import Recording
+from orchestration.running.change import Change
+from orchestration.running.simulation import Simulation
+from orchestration.system import System, Value
+
+MOST = 1_000_000
+"""Points that are taken at once, where nothing asks for less."""
+
+
+@dataclass(frozen=True)
+class Outline:
+    """A run before its components are there: `first` is the point at which it begins, `warnings` are its manifest's."""
+
+    system: System
+    grid: Grid
+    recording: Recording
+    kind: Kind
+    first: int = 0
+    warnings: list[str] = field(default_factory=list)
+
+
+class Watched(Protocol):
+    """Does a piece of work in the thread in which the components live, and watches it."""
+
+    def __call__(self, work: Callable[[], Any]) -> Any:
+        """Do it, and return what comes of it."""
+        ...
+
+
+class Hook:
+    """Takes part in a run, and does nothing in it but what it overrides.
+
+    A run asks, in this order: `prepare`, `begin`; then over and over `changes`, `ahead`, `met` and `after`; at last
+    `end`, unless a component failed or ended the run, and `report` in any case.
+    """
+
+    source: Source | None = None
+    """What gives inputs their values at every point, after `prepare`."""
+
+    ends = False
+    """Whether it may end the run by what it sees in a row."""
+
+    def for_manifest(self) -> Mapping[str, Any]:
+        """Return what the manifest has to know to repeat it."""
+        return {}
+
+    def prepare(self, outline: Outline) -> None:
+        """See what is to be run, before any component is there; AdcsError if it cannot take part in it."""
+
+    def begin(self, simulation: Simulation, hooks: Sequence[Hook], watched: Watched) -> None:
+        """See the run when its components are initialised; AdcsError if it cannot take part in it."""
+
+    def changes(self, k: int) -> Sequence[Change | tuple[str, Value]]:
+        """Return what is to be set at point k, which comes next: names `component.variable` and values."""
+        return ()
+
+    def ahead(self, k: int) -> int:
+        """Return how many points may be taken at once, from point k on; it may wait for the time to go on."""
+        return MOST
+
+    def met(self, times: Floats, rows: Floats) -> int | None:
+        """Return the index of the first of these rows, at their times (s), with which the run is to end."""
+        return None
+
+    def after(self, point: int, time: float) -> None:
+        """See the points that were taken, up to `point` at `time` (s), of which `simulation.row` is; `simulation.k`
+        comes next, unless a component has ended the simulation."""
+
+    def end(self) -> None:
+        """Do what is to be done where the run ends."""
+
+    def notes(self) -> Sequence[str]:
+        """Return warnings of what it could not do."""
+        return ()
+
+    def report(self) -> Mapping[str, Any]:
+        """Return what the manifest is to have of it."""
+        return {}

@@ -1,0 +1,96 @@
+"""Checkpoints of a run: every so often, and at its end."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+from fmus.errors import AdcsError
+from orchestration.grid import whole_steps
+from orchestration.running import checkpoint
+from orchestration.running.adaptive import AdaptiveSession
+from orchestration.running.hook import MOST, Hook, Outline, Watched
+from orchestration.running.session import Session
+from orchestration.running.simulation import Simulation
+
+
+class Saves(Hook):
+    """The state is saved to a file at the end of the run, and every so many seconds before.
+
+    A file that cannot be written does not end the run: one line on stderr says so at once, and `notes` at the end.
+    """
+
+    def __init__(self, path: str | Path, every: float | None = None) -> None:
+        """`every` is in s of simulated time."""
+        self._path, self._seconds = Path(path), every
+        self._every: int | None = None
+        self._one_by_one = False
+        self._missing: list[float] = []  # s, times of those that could not be written
+        self._trouble = ""
+
+    def prepare(self, outline: Outline) -> None:
+        """Refuse what is no time."""
+        if outline.kind != "co-simulation":
+            raise AdcsError(
+                "checkpoint: not with model-exchange, whose integrator has a memory of its own that cannot be saved"
+            )
+        if self._seconds is not None:
+            if not self._seconds > 0:
+                raise AdcsError(f"checkpoint_every = {self._seconds:g} s: expected a positive time")
+            self._every = whole_steps(self._seconds, outline.grid.step, "checkpoint_every")
+
+    def begin(self, simulation: Simulation, hooks: Sequence[Hook], watched: Watched) -> None:
+        """Refuse by name what cannot be saved, or not then."""
+        if isinstance(simulation, AdaptiveSession) or not isinstance(simulation, Session):
+            raise AdcsError("checkpoint: not together with adaptive exchange steps, whose choice it does not hold")
+        self._simulation, self._watched = simulation, watched
+        checkpoint.check(simulation, self._path)
+        self._one_by_one = any(hook.ends for hook in hooks)  # the state has to be that of the row that meets it
+        if self._one_by_one and any(component.every > 1 for component in simulation.system.components.values()):
+            raise AdcsError("checkpoint: not together with until, where a component communicates at some points only")
+        for k in (simulation.grid.full, *([] if self._every is None else [self._every])):
+            if not checkpoint.aligned(simulation, k):
+                raise checkpoint.not_aligned(simulation, k)
+
+    def ahead(self, k: int) -> int:
+        """Go on to the next point at which to save."""
+        if self._one_by_one:
+            return 1
+        return MOST if self._every is None else self._every - k % self._every
+
+    def after(self, point: int, time: float) -> None:
+        """Save, if it is time to, or if a last step comes that is shorter, since its end is on no grid."""
+        simulation, k = self._simulation, self._simulation.k
+        if simulation.shorter_due:
+            self.end()
+        elif self._every is not None and k % self._every == 0 and k <= simulation.grid.full:
+            self._save(k)
+
+    def end(self) -> None:
+        """Save where the run ended, or before a last step that is shorter."""
+        simulation = self._simulation
+        if simulation.k > simulation.grid.full and not simulation.shorter_due and simulation.grid.shorter:
+            return
+        k = min(simulation.k, simulation.grid.full)
+        if checkpoint.aligned(simulation, k):  # it was interrupted, if not
+            self._save(k)
+
+    def _save(self, k: int) -> None:
+        content = self._watched(partial(checkpoint.content, self._simulation, k))
+        try:
+            checkpoint.write(content, self._path)
+        except AdcsError as error:
+            if not self._trouble:
+                self._trouble = str(error)
+                print(f"adcs: a checkpoint is missing, the run goes on: {error}", file=sys.stderr)
+            if (time := self._simulation.grid.time(k)) not in self._missing[-1:]:
+                self._missing.append(time)
+
+    def notes(self) -> list[str]:
+        """Say which checkpoints are missing."""
+        if not self._missing:
+            return []
+        times = ", ".join([f"{time:.9g}" for time in self._missing[:3]] + ["..."] * (len(self._missing) > 3))
+        return [f"no checkpoint at t = {times} s: {self._trouble}"]

@@ -1,0 +1,105 @@
+"""What is driven through the points of a run: a co-simulation, with steps of one size or not, or Model Exchange."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from fmus.errors import AdcsError
+from orchestration.fmu.file import Port
+from orchestration.grid import Grid
+from orchestration.instances.instance import EndRequested, Instance
+from orchestration.plan.lowering import Floats
+from orchestration.system import System, Value
+
+
+class Simulation(Protocol):
+    """A system that is under way, at point `k` of `last`."""
+
+    grid: Grid
+    system: System
+    k: int
+    last: int
+    notes: list[str]
+    """What there is to be told of the run, besides what its components say."""
+
+    @property
+    def instances(self) -> Mapping[str, Instance]:
+        """The components by name."""
+        ...
+
+    @property
+    def ports(self) -> Mapping[str, Port]:
+        """The variables of a row, by name."""
+        ...
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the FMUs warned of, and what else there is to be told."""
+        ...
+
+    def __exit__(self, *error: Any) -> None: ...
+
+    @property
+    def ended(self) -> EndRequested | None:
+        """The wish of a component to end the simulation, once it has come about: nothing comes after that."""
+        ...
+
+    @property
+    def time(self) -> float:
+        """The time of the present point [s]."""
+        ...
+
+    @property
+    def row(self) -> Floats:
+        """The recorded variables as they were last seen, side by side."""
+        ...
+
+    @property
+    def shorter_due(self) -> bool:
+        """Whether the point that comes next is reached by `shorter_step`, which has not been taken."""
+        ...
+
+    def check(self) -> None:
+        """Look at what components may have changed of the process."""
+        ...
+
+    def check_change(self, name: str, value: Value) -> object:
+        """Refuse a variable that may not be set during a run, or to that value."""
+        ...
+
+    def shows(self, name: str) -> bool:
+        """Whether what is set in a variable may show in the row of the same point."""
+        ...
+
+    def set(self, name: str, value: Value) -> None:
+        """Set an input that nothing feeds, or a tunable parameter, at the present point."""
+        ...
+
+    def advance(self, count: int, rows: Floats, *, stay: bool = False) -> tuple[int, int, AdcsError | None]:
+        """Take `count` points from the present one on, recorded in `rows`.
+
+        Returns the point that comes next, the number of rows, and what failed; EndRequested, if a component ends the
+        simulation. With `stay` no component is stepped on from the last of them; `leave` does that.
+        """
+        ...
+
+    def leave(self) -> None:
+        """Go on to the next point, after `advance` with `stay`."""
+        ...
+
+    def shorter_step(self) -> None:
+        """Take a last step that is shorter than the others."""
+        ...
+
+    def end_row(self) -> Floats | None:
+        """Return the row of the time at which a component ended the simulation, if it has one of its own."""
+        ...
+
+    def stop(self, at_once: bool = False) -> None:
+        """Let `advance` return before its next point, or before its next call; to be called from another thread."""
+        ...
+
+    def report(self) -> Mapping[str, Any]:
+        """Return what the manifest is to have of it."""
+        ...

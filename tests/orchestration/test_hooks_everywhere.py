@@ -1,0 +1,138 @@
+"""What happens during a run happens by every method: changes, tables, conditions, rows left out, one's own hooks."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from adcs import AdcsError, Hook, System, run
+
+METHODS = {
+    "adaptive": {"adaptive": 1e-9},
+    "DOP853": {"method": "model-exchange"},
+    "CVode": {"method": "model-exchange", "solver": "CVode"},
+}
+
+
+@pytest.fixture(params=METHODS)
+def method(request):
+    return METHODS[request.param]
+
+
+def body(torque=(0.0, 0.0, 0.0)):
+    """A sphere of 2 kg.m2 at rest: its rate is half the integral of the torque, which None leaves to a table."""
+    system = System("body")
+    system.add("plant", "RigidBody", {"J_B": 2 * np.eye(3), "torque_disturbance_B": [0.0, 0.0, 0.0]})
+    if torque is not None:
+        system.set("plant.torque_B", torque)
+    return system
+
+
+PUSHED = (1.0, 0.0, 0.0)
+
+
+def rate(result):
+    return result["plant.omega_BN_B"][:, 0]
+
+
+def test_a_change_acts_from_its_time_on(method, version):
+    changes = [(1.0, "plant.torque_B", [1.0, 0.0, 0.0]), (1.5, "plant.torque_B", [0.0, 0.0, 0.0])]
+    result = run(body(), stop_time=2.0, step=0.25, changes=changes, fmi_version=version, **method)
+    t = result.time
+    assert rate(result) == pytest.approx(np.clip(t - 1.0, 0.0, 0.5) / 2, abs=1e-12)
+    assert result.manifest["settings"]["changes"][0] == [1.0, "plant.torque_B", [1.0, 0.0, 0.0]]
+
+
+def test_a_tunable_parameter_is_changed(method):
+    start = [(0.0, "plant.torque_B", [1.0, 0.0, 0.0]), (1.0, "plant.J_B", 4 * np.eye(3))]
+    result = run(body(), stop_time=2.0, step=0.25, changes=start, **method)
+    t = result.time
+    assert rate(result) == pytest.approx(np.minimum(t, 1) / 2 + np.maximum(t - 1, 0) / 4, abs=1e-12)
+
+
+def test_a_table_bends_between_two_rows(tmp_path, version):
+    """Up to 0.6 s the torque rises, then it stays: coupled Model Exchange sees the bend, which is at no row."""
+    table = tmp_path / "u.csv"
+    table.write_text("time,plant.torque_B[1],plant.torque_B[2],plant.torque_B[3]\n0,0,0,0\n0.6,1.2,0,0\n9,1.2,0,0\n")
+    for settings in (METHODS["DOP853"], METHODS["CVode"]):
+        result = run(body(None), stop_time=2.0, step=0.5, inputs=table, fmi_version=version, **settings)
+        t = result.time
+        exact = np.where(t < 0.6, t**2, 0.36 + 1.2 * (t - 0.6)) / 2
+        assert rate(result) == pytest.approx(exact, abs=1e-8)
+
+
+def test_a_table_is_followed_by_the_steps_between_two_rows(tmp_path):
+    """Held over a step, a ramp is late by half of it; 2^j steps are late by 2^-j of that."""
+    table = tmp_path / "u.csv"
+    table.write_text("time,plant.torque_B[1],plant.torque_B[2],plant.torque_B[3]\n0,0,0,0\n2,2,0,0\n")
+    rough = run(body(None), stop_time=2.0, step=0.5, inputs=table)
+    result = run(body(None), stop_time=2.0, step=0.5, inputs=table, adaptive=1e-3)
+    exact = result.time**2 / 4
+    assert np.abs(rate(rough) - exact).max() == pytest.approx(0.25)
+    assert np.abs(rate(result) - exact).max() < 0.01
+    assert result.manifest["adaptive"]["rejected"] > 0
+
+
+def test_a_condition_ends_the_run(method):
+    pushed = body(PUSHED)
+    result = run(pushed, stop_time=10.0, step=0.25, until="plant.omega_BN_B[1] > 0.6", **method)
+    assert result.time[-1] == 1.25
+    assert result.manifest["outcome"]["met"] == {"condition": "plant.omega_BN_B[1] > 0.6", "time": 1.25}
+
+
+def test_rows_are_left_out_and_go_to_a_file(method, tmp_path):
+    pushed = body(PUSHED)
+    whole = run(pushed, stop_time=2.3, step=0.1, **method)
+    some = run(pushed, stop_time=2.3, step=0.1, record_every=5, **method)
+    assert np.array_equal(some.data, whole.data[::5])
+    assert np.array_equal(some.time, whole.time[::5])
+    filed = run(pushed, stop_time=2.3, step=0.1, record_every=5, hdf5=tmp_path / "x.h5", **method)
+    assert np.array_equal(filed["plant.omega_BN_B"], some["plant.omega_BN_B"])
+    if "method" in method:
+        assert some.states.shape == (5, len(whole.state_names))
+        assert np.array_equal(some.states, whole.states[::5])
+
+
+def test_it_keeps_to_the_clock(method):
+    result = run(body(), stop_time=0.2, step=0.05, real_time=1.0, **method)
+    assert result.manifest["real_time"]["points"] == 5
+    assert result.manifest["timing"]["wall_s"] >= 0.2
+
+
+def test_a_hook_of_ones_own(method):
+    class Brake(Hook):
+        """Takes the torque away at the first point at which the rate is above 0.3 rad/s; a part of the caller."""
+
+        def begin(self, simulation, hooks, watched):
+            self.simulation, self.place, self.braked = simulation, None, None
+            names = list(simulation.ports)
+            sizes = [simulation.ports[name].size for name in names]
+            self.place = sum(sizes[: names.index("plant.omega_BN_B")])
+
+        def ahead(self, k):
+            return 1
+
+        def after(self, point, time):
+            if self.braked is None and self.simulation.row[self.place] > 0.3:
+                self.braked = point + 1
+
+        def changes(self, k):
+            return [("plant.torque_B", [0.0, 0.0, 0.0])] if k == self.braked else []
+
+        def report(self):
+            return {"braked_at": self.braked}
+
+    pushed = body(PUSHED)
+    result = run(pushed, stop_time=2.0, step=0.25, watchers=[Brake()], **method)
+    # above 0.3 rad/s at 0.75 s; what is seen there is answered at the next point
+    assert result.manifest["braked_at"] == 4
+    assert rate(result) == pytest.approx(np.minimum(result.time, 1.0) / 2, abs=1e-12)
+
+
+def test_a_hook_that_goes_nowhere_is_named():
+    class Stuck(Hook):
+        def ahead(self, k):
+            return 0
+
+    with pytest.raises(AdcsError, match=r"^Stuck\.ahead returned 0: expected a number of points from 1"):
+        run(body(), stop_time=1.0, step=0.5, watchers=[Stuck()])

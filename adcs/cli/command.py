@@ -71,6 +71,17 @@ Time = Annotated[
 ]
 """A time [s], which is written with a unit, 10ms, or as a plain number of seconds."""
 
+
+def _whole(kind: Any, tokens: tuple[Token, ...]) -> int:
+    try:
+        return int(tokens[0].value)
+    except ValueError:
+        raise ValueError(f"{tokens[0].value!r} is no whole number") from None
+
+
+Whole = Annotated[int, Parameter(converter=_whole, metavar="N", allow_leading_hyphen=True)]
+"""A whole number; 1.5 is refused, not rounded."""
+
 Speed = Annotated[float, Parameter(metavar="SPEED", show_default=lambda value: None if value is None else f"{value:g}")]
 """How many simulated seconds go by in one on the clock."""
 

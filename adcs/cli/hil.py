@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 from rich.console import Console
 
-from adcs.cli.command import Epoch, Speed, Time, command, group
+from adcs.cli.command import Epoch, Speed, Time, Whole, command, group
 from adcs.cli.options import Report, Steps, SystemName, Which
 from adcs.cli.showing import as_json, exit_code, progress, show, write_files, write_report
 from fmus.errors import AdcsError
@@ -37,7 +37,7 @@ class Connection:
 
     host: str = "127.0.0.1"
     """Address to listen on."""
-    port: int = PORT
+    port: Whole = PORT
     """TCP port; 0 takes a free one."""
     remote: bool = False
     """Let --host be reachable from other machines."""

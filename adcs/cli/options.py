@@ -11,7 +11,7 @@ from cyclopts import Parameter
 
 from adcs.catalogue import find_system
 from adcs.cli import words
-from adcs.cli.command import Epoch, Speed, Time, group
+from adcs.cli.command import Epoch, Speed, Time, Whole, group
 from adcs.cli.showing import Format
 from hil_bridge.frames import FrameName
 from orchestration.coupled import SolverName
@@ -206,7 +206,7 @@ class Results(Report):
 
     record: Annotated[tuple[str, ...], Parameter(metavar="NAME")] = ()
     """Write this variable only; may be repeated. [default: all outputs]"""
-    record_every: Annotated[int, Parameter(metavar="N")] = 1
+    record_every: Whole = 1
     """Write every N-th row only."""
     format: tuple[Format, ...] = ()
     """Kind of result file; may be repeated. With hdf5 alone a run may be larger than memory. [default: csv, mat]"""

@@ -151,6 +151,8 @@ def _lines(result: Result) -> list[str]:
         )
     if met := manifest["outcome"].get("met"):
         lines.append(f"ended at t = {met['time']:.9g} s, where {met['condition']}")
+    elif "until" in manifest["settings"] and manifest["outcome"]["status"] == "complete":
+        lines.append(f"the condition was not met: {manifest['settings']['until']}")
     if ended := manifest["outcome"].get("ended"):
         lines.append(f"ended at t = {ended['time']:.9g} s by {ended['component']}: {ended['message']}")
     if pace := manifest.get("real_time"):

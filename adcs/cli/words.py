@@ -88,6 +88,8 @@ def delay(system: System, assignment: str) -> None:
     name, _, text = assignment.partition("=")
     if (number := whole(text)) is not None:
         system.delay(name, steps=number)
+    elif re.fullmatch(r"[-+.\deE\s]+", text):
+        raise AdcsError(f"--delay {shown(assignment)}: give a whole number of steps, or a time as in 0.1s")
     else:
         system.delay(name, seconds=seconds(text, f"--delay {shown(name)}"))
 

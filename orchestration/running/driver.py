@@ -53,10 +53,11 @@ class Driver:
     def report(self) -> dict[str, Any]:
         """Return what the manifest is to have of the run."""
         ended = self._simulation.ended
+        reports = {name: value for hook in self._hooks for name, value in hook.report().items()}
         self._simulation.notes += [note for hook in self._hooks for note in hook.notes()]
         return {
             **self._simulation.report(),
-            **{name: value for hook in self._hooks for name, value in hook.report().items()},
+            **reports,
             **({"stopped": self.met} if self.met is not None else {}),
             **({"ended": ended.as_dict()} if ended is not None else {}),
         }

@@ -253,7 +253,11 @@ def run(
             try:
                 driver.run()
             finally:
-                manifest.update(driver.report())
+                told = driver.report()
+                simulation.notes += [
+                    f"{name} of a report is left out: the manifest has it" for name in told if name in manifest
+                ]
+                manifest.update({name: value for name, value in told.items() if name not in manifest})
                 if simulation.ended is not None and recording.filled:
                     times[recording.filled - 1] = driver.row_at
         if isinstance(recording, FileRecording):

@@ -48,6 +48,7 @@ def met(text, values, times=None):
         ("min(gain.y) / max(gain.y) > 0.5", 1.25),
         ("norm(source.y) > 2 * norm(gain.y[1]) - 3", 0.0),
         ("1 / (time - 1) > 1e300", 1.0),
+        ("1/source.y[1] < 0.25", 3.25),
         ("time >= 9.9", 10.0),
         ("max(source.y) - min(source.y) > 2.5 or time < -1", None),
     ],

@@ -136,3 +136,14 @@ def test_a_hook_that_goes_nowhere_is_named():
 
     with pytest.raises(AdcsError, match=r"^Stuck\.ahead returned 0: expected a number of points from 1"):
         run(body(), stop_time=1.0, step=0.5, watchers=[Stuck()])
+
+
+def test_a_report_does_not_replace_what_the_manifest_says():
+    class Loud(Hook):
+        def report(self):
+            return {"settings": {"x": 1}, "loud": True}
+
+    manifest = run(body(), stop_time=1.0, step=0.5, watchers=[Loud()]).manifest
+    assert manifest["settings"]["stop_time"] == 1.0
+    assert manifest["loud"] is True
+    assert "settings of a report is left out: the manifest has it" in manifest["warnings"]

@@ -117,6 +117,19 @@ def test_what_is_no_time(text):
         words.time(text)
 
 
+@pytest.mark.parametrize("text", ["1.5", "2.0", "1e3", "two", ""])
+def test_what_is_no_whole_number_is_not_rounded(text, capsys):
+    assert adcs("run", "observer-pd", "--record-every", text) == 2
+    assert f"{text!r} is no whole number" in capsys.readouterr().err
+
+
+def test_a_delay_is_a_number_of_steps_or_a_time_with_its_unit(capsys):
+    assert adcs("run", "observer-pd", "--delay", "plant.torque_B=2.0") == 1
+    assert capsys.readouterr().err == (
+        "adcs: --delay plant.torque_B=2.0: give a whole number of steps, or a time as in 0.1s\n"
+    )
+
+
 @pytest.mark.parametrize(("command", "old"), [(c, old) for c, names in RENAMED.items() for old in names])
 def test_an_old_name_is_told_the_new_one(command, old, capsys):
     new = RENAMED[command][old]

@@ -99,7 +99,7 @@ def _one_comparison(text: str, system: System) -> tuple[str | None, str, str, fl
     left = match["left"].strip()
     call = _FUNCTION.fullmatch(left)
     function, name = (call["function"], call["inside"].strip()) if call else (None, left)
-    if not looks_like_a_name(name):
+    if not looks_like_a_name(name) or name[:1].isdigit():  # `1/plant.y` may be a quotient
         try:
             system.end(name)
         except AdcsError:

@@ -56,8 +56,13 @@ class RunFiles:
             outcome = {"status": "failed", "message": str(error), "rows": rows}
             if told.get("status") == "failed":  # the run itself, and why it did matters more than what came of that
                 outcome = told
-            with suppress(AdcsError):
-                self._result_of({**self._manifest, "outcome": outcome}).write_manifest(self.folder / MANIFEST)
+            ended = self._result_of({**self._manifest, "outcome": outcome})
+            try:
+                ended.write_manifest(self.folder / MANIFEST)
+            except AdcsError:  # the one there says that the run goes on: its room may be enough
+                (self.folder / MANIFEST).unlink(missing_ok=True)
+                with suppress(AdcsError):
+                    ended.write_manifest(self.folder / MANIFEST)
             self.journal.close(remove=rows == 0)
 
     def write(self, result: Result, stopped: bool) -> list[Path]:

@@ -176,6 +176,15 @@ def test_why_a_run_ended_is_told_by_the_line_the_manifest_and_what_is_recovered(
     assert len((out / "result.csv").read_text().splitlines()) == kept + 1
 
 
+@pytest.mark.parametrize("small_disk", [12, 40], indirect=True)
+def test_a_manifest_without_room_for_another_does_not_say_that_the_run_goes_on(small_disk, tmp_path):
+    options = ("--stop", 20, "--format", "csv", "--out", small_disk / "out", "--no-report")
+    code, _, err = adcs("run", "observer-pd", *options, cwd=tmp_path)
+    assert code == 1
+    assert len(err.splitlines()) == 1
+    assert json.loads((small_disk / "out" / "manifest.json").read_text())["outcome"]["status"] == "failed"
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
 def test_checkpoints_that_cannot_be_written_are_one_line_and_the_run_goes_on(capfd, tmp_path):
     from benchmarks import loop

@@ -64,7 +64,7 @@ class Steps:
     step: Time | None = None
     """Time between two exchanges and two rows. [default: that of the system]"""
     stop: Time | None = None
-    """Stop time; the last step of a run is shorter, if need be. [default: that of the system; a bridge never stops]"""
+    """Stop time; the last step of a run is shorter, if need be. [default: that of the system; of a bridge, none]"""
 
     def step_of(self, entry: SystemEntry) -> float:
         """Return the exchange step [s], which the system does not refuse."""

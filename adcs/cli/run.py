@@ -135,6 +135,8 @@ def _settings(
     results: Results,
 ) -> dict[str, Any]:
     """What `run` of Python is told: the one place where the options of the command line get its names."""
+    if solving.method != "model-exchange" and "--solver" in given(solving):
+        raise AdcsError(f"--solver {solving.solver}: an integrator of model-exchange, add --method model-exchange")
     return {
         "start_time": times.start_of(entry),
         "stop_time": times.stop_of(entry),

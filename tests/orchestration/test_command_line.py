@@ -87,6 +87,7 @@ def test_options_reach_the_run(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
+        (("observer-pd", "--solver", "CVode"), 1, "adcs: --solver CVode: an integrator of model-exchange, add"),
         (("nothing",), 1, "adcs: no system 'nothing': choose one of bounded-adaptive"),
         (("observer-pd", "--step", "0"), 1, "adcs: step = 0.0 s: expected a positive time"),
         (("observer-pd", "--step", "nan"), 2, "adcs: Invalid value for --step: 'nan' is not a time, write 120s, 0.1s"),

@@ -8,6 +8,7 @@ from pathlib import Path
 from fmus import catalog
 from fmus.catalog import Component
 from fmus.describe import Description, run_describe
+from fmus.errors import AdcsError
 from fmus.pack import FILE_NAMES, pack
 from fmus.paths import BUILD, DIST, EIGEN, LICENSE, PACKAGE, SOURCES
 from fmus.toolchain import (
@@ -44,6 +45,8 @@ def build(
     They contain a binary for this machine, or for all platforms. What is up to date stays. Returns the FMUs' paths;
     AdcsError if a name is unknown or the compiler refuses something.
     """
+    if isinstance(names, str):
+        raise AdcsError(f"names = {names!r}: expected a list, [{names!r}]")
     components = [catalog.find(name) for name in names] if names else catalog.components()
     plans = [_Plan(component, TARGETS if all_platforms else (host(),), work) for component in components]
     shared = {s.output for p in plans for s in (*p.headers, *p.compiles)}

@@ -12,6 +12,7 @@ from fmus.check import check as check_file
 from fmus.checks import Failure, Note
 from fmus.checks.behaviour import check_behaviour, doing, initialised, report
 from fmus.errors import AdcsError, Unsupported
+from orchestration import expected
 from orchestration.entry import SystemEntry
 from orchestration.fmu.file import Fmu, Kind, open_fmu
 from orchestration.from_file import system_from_file
@@ -25,6 +26,7 @@ _UNREAD = "modelDescription.xml cannot be read: "
 
 def check(path: Path | str) -> list[Finding]:
     """Everything found in the FMU at `path` that `fmus.check` or a run finds; empty if it is fine."""
+    expected.path("path", path)
     findings = check_file(path, lambda p: (_with_call(p, finding) for finding in check_behaviour(p, __name__)))
     try:
         open_fmu(Path(path))

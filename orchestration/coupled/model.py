@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from fmus.errors import AdcsError
+from orchestration import expected
 from orchestration.engine import Engine
 from orchestration.engine.overstepping import overstepped
 from orchestration.fmu.file import FmiVersion, Port
@@ -55,6 +56,8 @@ class CoupledModel:
         guard: Guard | None = None,
     ) -> None:
         """`record` names the variables of a row (None: all outputs); `source` gives values to unconnected inputs."""
+        if not isinstance(system, System):
+            raise expected.refused("system", system, "a System, as adcs.systems()[name].build() gives it")
         _refuse(system, fmi_version)
         recording = Recording(system, record, 1)
         self.system = system

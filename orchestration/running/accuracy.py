@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fmus.errors import AdcsError
+from orchestration import expected
 from orchestration.results.result import Result
 from orchestration.system import System
 
@@ -45,6 +46,10 @@ def estimate_error(
     If all components can be integrated as one differential equation, that solution is taken for the truth. Else the
     exchange step is halved: the error of co-simulation is of first order in it, so it is twice the difference.
     """
+    if not isinstance(result, Result):
+        raise expected.refused("result", result, "a Result, as adcs.run returns it")
+    if not callable(run):
+        raise expected.refused("run", run, "adcs.run, or what calls it")
     settings = dict(result.manifest["settings"])
     if settings["method"] != "co-simulation":
         raise AdcsError("the error of the exchange step is a matter of co-simulation: model-exchange has none")

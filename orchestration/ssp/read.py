@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fmus.errors import AdcsError
+from orchestration import expected
 from orchestration.fmu.file import Port, open_fmu
 from orchestration.fmu.seeds import seeds_of
 from orchestration.ssp.archive import Home, SspArchive
@@ -49,6 +50,7 @@ def read_ssp(path: str | Path, *, structure: str | None = None, ignore_unknown_p
     misspelt, unless `ignore_unknown_parameters`. Raises AdcsError, in one line, for anything that cannot be run as the
     file says.
     """
+    expected.path("path", path)
     path, named = named_structure(path)
     if structure is not None and named is not None and structure != named:
         raise AdcsError(f"{path.name}#{named}: structure={structure!r} is another one: leave one of them out")

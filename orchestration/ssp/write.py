@@ -13,6 +13,7 @@ from lxml import etree
 
 from fmus.errors import AdcsError
 from fmus.xml import serialised
+from orchestration import expected
 from orchestration.fmu.file import FmiVersion, Fmu, Port
 from orchestration.process.writing import make_folder
 from orchestration.ssp.archive import packed, write_whole
@@ -45,6 +46,9 @@ def write_ssp(
     Connection delays, components that communicate at every n-th step and the exchange step stand in annotations, which
     other tools ignore (the step is also where OMSimulator looks for it). Raises AdcsError.
     """
+    if not isinstance(system, System):
+        raise expected.refused("system", system, "a System, as adcs.systems()[name].build() gives it")
+    expected.path("path", path)
     path = Path(path)
     system.check()
     for name, value in (("start_time", start_time), ("stop_time", stop_time), ("step", step)):

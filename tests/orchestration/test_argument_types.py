@@ -3,7 +3,21 @@
 import numpy as np
 import pytest
 
-from adcs import AdcsError, LoopSolver, Session, System, linearize, run, steps
+from adcs import (
+    AdcsError,
+    CoupledModel,
+    LoopSolver,
+    Session,
+    System,
+    build,
+    check,
+    estimate_error,
+    linearize,
+    read_ssp,
+    run,
+    steps,
+    write_ssp,
+)
 
 TIMES = {"stop_time": 1.0, "step": 0.1}
 WRONG = [
@@ -153,3 +167,19 @@ def test_a_mapping_may_be_an_array(mock):
     system.add("oscillator", mock("oscillator"))
     system.connect("typed.whole", "oscillator.u", mapping=np.array([[0, 2.5], [4, -1.0]]))
     assert system.connections[0].mapping == ((0.0, 2.5), (4.0, -1.0))
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: write_ssp("observer-pd", "x.ssp"), "system = 'observer-pd': expected a System"),
+        (lambda: write_ssp(System("x"), 3), "path = 3: expected the name of a file"),
+        (lambda: read_ssp(3), "path = 3: expected the name of a file"),
+        (lambda: check(["x.fmu"]), "path = ['x.fmu']: expected the name of a file"),
+        (lambda: build("RigidBody"), "names = 'RigidBody': expected a list, ['RigidBody']"),
+        (lambda: CoupledModel("observer-pd"), "system = 'observer-pd': expected a System"),
+        (lambda: estimate_error(3, run), "result = 3: expected a Result"),
+    ],
+)
+def test_what_else_is_called(call, said):
+    assert refusal(call).startswith(said)

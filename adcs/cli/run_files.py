@@ -16,7 +16,7 @@ from orchestration.isolation.death import reason
 from orchestration.isolation.folder import MANIFEST, ResultsFolder
 from orchestration.isolation.journal import Journal
 from orchestration.process import endings
-from orchestration.process.guard import explained
+from orchestration.process.guard import explained, is_of_this_process
 from orchestration.results import hdf5
 from orchestration.results.result import Result
 
@@ -77,7 +77,11 @@ class RunFiles:
             outcome = result.manifest["outcome"]
             why = f"{reason(outcome)}; " if outcome["status"] == "failed" else ""
             text = explained(error, result.manifest["warnings"])
-            raise AdcsError(f"{why}{text}; {kept_in(self.folder, len(result.time))}") from error
+            if supervised.present() and is_of_this_process(error):
+                kept = f"{len(result.time)} rows are kept, and another process makes them into files"
+            else:
+                kept = kept_in(self.folder, len(result.time))
+            raise AdcsError(f"{why}{text}; {kept}") from error
         self._written = True
         self.journal.close(remove=True)
         if not stopped:

@@ -47,6 +47,11 @@ def begin() -> None:
         printed = _Printed(_folder / "printed")
 
 
+def present() -> bool:
+    """Whether another process looks after this one."""
+    return _folder is not None
+
+
 def _beat(path: Path) -> None:
     """Show that this process is alive, by another number again and again.
 

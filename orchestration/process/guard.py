@@ -111,10 +111,18 @@ def _umask() -> int | None:
     return mask
 
 
+_LIMITS = {errno.EFBIG: "RLIMIT_FSIZE", errno.EMFILE: "RLIMIT_NOFILE", errno.EBADF: _DESCRIPTORS}
+
+
+def is_of_this_process(error: AdcsError) -> bool:
+    """Whether a file could not be written for what this process may, and not for lack of room."""
+    return isinstance(error.__cause__, OSError) and error.__cause__.errno in _LIMITS
+
+
 def explained(error: AdcsError, warnings: Iterable[str]) -> str:
     """Put into words that a file could not be written, with which component has brought that about, if one has."""
     number = error.__cause__.errno if isinstance(error.__cause__, OSError) else None
-    sign = {errno.EFBIG: "RLIMIT_FSIZE", errno.EMFILE: "RLIMIT_NOFILE", errno.EBADF: _DESCRIPTORS}.get(number or 0)
+    sign = _LIMITS.get(number or 0)
     blame = [text for text in warnings if sign is not None and sign in text]
     return f"{error} ({blame[0]})" if blame else str(error)
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, Any
 
 from cyclopts import Parameter
@@ -11,6 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from adcs.catalogue import SYSTEMS
 from adcs.cli.command import command
 from adcs.cli.printing import ERR, OUT, Json, print_json
 from fmus import catalog
@@ -21,25 +24,34 @@ from fmus.errors import AdcsError
 from fmus.freshness import warn_if_outdated
 from orchestration.fmu.file import Fmu, Port, open_fmu
 from orchestration.ssp.names import is_ssp
+from orchestration.system import System
 
-app = command("info", "adcs info RigidBody", "adcs info path/to/some.fmu", "adcs info system.ssp --json")
+app = command(
+    "info", "adcs info RigidBody", "adcs info observer-pd", "adcs info path/to/some.fmu", "adcs info system.ssp --json"
+)
 
 
 @app.default
 def info(
-    name: Annotated[str, Parameter(help="A component, or an .fmu or .ssp file.")], /, *, as_json: Json = False
+    name: Annotated[str, Parameter(help="A component, a system, or an .fmu or .ssp file.")],
+    /,
+    *,
+    as_json: Json = False,
 ) -> None:
-    """Show the variables of a component or FMU with units and start values, or what an SSP file holds."""
+    """Show the variables of a component or FMU with units and start values, or the components of a system."""
     path = Path(name)
     if path.suffix == ".fmu":
         facts = _fmu(open_fmu(path))
     elif is_ssp(name):
         facts = _ssp(name)
+    elif name in SYSTEMS:
+        entry = SYSTEMS[name]
+        facts = _parts(entry.build(), entry.start_time, entry.stop_time, entry.step)
     else:
         try:
             _show_component(name, as_json)
         except AdcsError as error:
-            raise AdcsError(f"{error}, or give an .fmu or .ssp file") from None
+            raise AdcsError(f"{str(error).rstrip('?')}, or give a system, or an .fmu or .ssp file") from None
         return
     if as_json:
         print_json(facts)
@@ -123,15 +135,24 @@ def _ssp(name: str) -> dict[str, Any]:
     from orchestration.ssp import read_ssp
 
     file = read_ssp(name)
+    about = {"ssp_version": file.version, "structure": file.structure, "structures": list(file.structures)}
+    return _parts(file.system, file.start_time, file.stop_time, file.step, about)
+
+
+def _parts(
+    system: System,
+    start: float | None,
+    stop: float | None,
+    step: float | None,
+    about: Mapping[str, Any] = MappingProxyType({}),
+) -> dict[str, Any]:
     return {
-        "name": file.system.name,
-        "description": file.system.description,
-        "ssp_version": file.version,
-        "structure": file.structure,
-        "structures": list(file.structures),
-        "start_time": file.start_time,
-        "stop_time": file.stop_time,
-        "step": file.step,
+        "name": system.name,
+        "description": system.description,
+        **about,
+        "start_time": start,
+        "stop_time": stop,
+        "step": step,
         "components": [
             {
                 "name": c.name,
@@ -139,9 +160,9 @@ def _ssp(name: str) -> dict[str, Any]:
                 "fmi_version": c.fmu.model.fmiVersion,
                 "description": c.fmu.model.description or "",
             }
-            for c in file.system.components.values()
+            for c in system.components.values()
         ],
-        "connections": [[c.source, c.target] for c in file.system.connections],
+        "connections": [[c.source, c.target] for c in system.connections],
     }
 
 
@@ -154,10 +175,10 @@ def _show(facts: dict[str, Any]) -> None:
     console.print(f"[bold]{escape(facts['name'])}[/bold]: {escape(facts['description'])}", highlight=False)
     if "components" in facts:
         say(
-            f"SSP {facts['ssp_version']}, {len(facts['components'])} components, "
-            f"{len(facts['connections'])} connections"
+            (f"SSP {facts['ssp_version']}, " if "ssp_version" in facts else "")
+            + f"{len(facts['components'])} components, {len(facts['connections'])} connections"
         )
-        if len(facts["structures"]) > 1:
+        if len(facts.get("structures", ())) > 1:
             others = ", ".join(name for name in facts["structures"] if name != facts["structure"])
             say(f"of {facts['structure']}; there is also {others}, which FILE.ssp#NAME.ssd chooses")
         times = {"start": facts["start_time"], "stop": facts["stop_time"], "step": facts["step"]}

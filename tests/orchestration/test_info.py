@@ -50,6 +50,14 @@ def test_an_ssp_file(tmp_path):
     assert "stop 5 s, step 0.01 s" in info(tmp_path / "a.ssp")
 
 
+def test_a_system():
+    told = json.loads(info("full-state-pd", "--json"))
+    assert (told["start_time"], told["stop_time"], told["step"]) == (0.0, 100.0, 0.01)
+    assert [c["name"] for c in told["components"]] == ["guidance", "plant", "tracker", "controller"]
+    assert ["controller.torque_B", "plant.torque_B"] in told["connections"]
+    assert "4 components, 7 connections" in info("full-state-pd")
+
+
 def test_which_parameters_may_change_in_a_run():
     assert "tunable" in info("PdTracking")
     assert "tunable" in info(fmus.fmu_path("PdTracking"))
@@ -60,7 +68,10 @@ def test_which_parameters_may_change_in_a_run():
     [
         ("none.fmu", "cannot open none.fmu: No such file or directory"),
         ("none.ssp", "cannot open none.ssp: No such file or directory"),
-        ("RigidBdy", "no component is called RigidBdy: did you mean RigidBody?, or give an .fmu or .ssp file"),
+        (
+            "RigidBdy",
+            "no component is called RigidBdy: did you mean RigidBody, or give a system, or an .fmu or .ssp file",
+        ),
     ],
 )
 def test_what_is_not_there(name, message, tmp_path, monkeypatch):

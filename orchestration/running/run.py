@@ -139,8 +139,6 @@ def run(
     times = grid.rows(first, record_every)
     if record_every > 1:  # room for an end between the last of these points and that of the run
         times = np.append(times, grid.time(grid.steps))
-    if record_every > 1:  # room for an end between two points after the last of these rows
-        times = np.append(times, grid.time(grid.steps))
     rows = len(times)
     recording: Recording
     if journal is not None:

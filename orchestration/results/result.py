@@ -134,6 +134,21 @@ class Result:
     def __len__(self) -> int:
         return len(self.ports)
 
+    def keys(self) -> list[str]:
+        """The recorded variables, as those of a dict."""
+        return self.names
+
+    def items(self) -> Iterator[tuple[str, Any]]:
+        """Name and values of each recorded variable."""
+        return ((name, self[name]) for name in self.ports)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """Return the values of a variable or an element, or the default if it was not recorded."""
+        try:
+            return self[name]
+        except AdcsError:
+            return default
+
     def __bool__(self) -> bool:
         return True  # also where no variable was recorded
 

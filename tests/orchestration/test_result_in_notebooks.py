@@ -47,6 +47,15 @@ def test_names(result):
         assert no not in result
 
 
+def test_it_is_like_a_dict(result):
+    arrays = dict(result)
+    assert list(arrays) == list(result.keys()) == result.names
+    assert np.array_equal(arrays["gain.y"], result["gain.y"])
+    assert [name for name, values in result.items() if values.shape[0] == len(result.time)] == result.names
+    assert np.array_equal(result.get("gain.y[2]"), result["gain.y"][:, 1])
+    assert result.get("nobody.y") is None and result.get("nobody.y", 3) == 3
+
+
 def test_a_result_without_variables_is_one_all_the_same(chain):
     nothing = of(chain(), record=[])
     assert nothing and len(nothing) == 0

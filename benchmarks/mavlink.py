@@ -23,6 +23,7 @@ from hil_bridge.ground.settings import Settings, Snapshot
 from hil_bridge.ground.state import Scene
 from hil_bridge.ground.telemetry import Report
 from orchestration.grid import Grid
+from orchestration.process.watch import Unwatched
 from orchestration.running.hooks.pace import Clock
 
 _STATIONS, _RATE = 16, 250.0
@@ -79,13 +80,16 @@ def crowd(seconds: float) -> dict[str, float]:
     pace = Clock(Grid(0.0, step, 0))
     spent = 0.0
     with Session(system, step=step, steps=round(seconds * _RATE)) as simulation, watcher:
+        watcher.begin(simulation, (), Unwatched())
         pace.start(0)
         for _ in range(round(seconds * _RATE)):
             pace.wait(simulation.k)
             began = process_time()
+            point, time = simulation.k, simulation.time
             simulation.propagate()
             simulation.move_on()
-            watcher(simulation)
+            watcher.after(point, time)
+            watcher.changes(point + 1)
             spent += process_time() - began
         report = watcher.report()
     late = pace.report()

@@ -42,6 +42,11 @@ class Driver:
         self._every, self._timeout, self._progress = record_every, timeout, progress
         self.row_at = float("-inf")
         """The time of the last row [s]."""
+        # what is asked at each point, of those only that have an answer of their own
+        self._afters = [hook.after for hook in hooks if _overrides(hook, "after")]
+        self._aheads = [hook.ahead for hook in hooks if _overrides(hook, "ahead")]
+        self._changes = [hook.changes for hook in hooks if _overrides(hook, "changes")]
+        self._mets = [hook for hook in hooks if _overrides(hook, "met")]
         self.met: dict[str, Any] | None = None
         """The condition that ended the run, and when."""
 
@@ -110,8 +115,8 @@ class Driver:
             self._show(point + 1, self.row_at)
 
     def _show(self, point: int, time: float) -> None:
-        for hook in self._hooks:
-            hook.after(point, time)
+        for after in self._afters:
+            after(point, time)
 
     def _allowed(self, count: int) -> int:
         """How many points may be taken at once."""
@@ -119,17 +124,17 @@ class Driver:
         room = self._recording.capacity * self._every
         ahead = (simulation.grid.full if k <= simulation.grid.full else simulation.last) + 1 - k
         count = max(1, min(count, ahead, room))
-        for hook in self._hooks:
-            count = min(count, ahead := hook.ahead(k))
-            if not (isinstance(ahead, int) and ahead >= 1):
-                raise AdcsError(f"{type(hook).__name__}.ahead returned {ahead!r}: expected a number of points from 1")
+        for asked in self._aheads:
+            count = min(count, points := asked(k))
+            if not (isinstance(points, int) and points >= 1):
+                raise AdcsError(f"{asked.__qualname__} returned {points!r}: expected a number of points from 1")
         return count
 
     def _change(self) -> list[Change]:
         """Make the changes that belong to the present point; return those that are to be made after its row."""
-        after = []
+        after: list[Change] = []
         k = self._simulation.k
-        for change in [Change.of(k, change) for hook in self._hooks for change in hook.changes(k)]:
+        for change in [Change.of(k, change) for changes in self._changes for change in changes(k)]:
             if change.may_follow(self._simulation):
                 after.append(change)
             else:
@@ -151,14 +156,15 @@ class Driver:
         except Hung:
             recording.commit(min(self._where.place.rows - complete, len(rows)))
             raise
-        times = simulation.grid.rows(first, every, kept)
-        for hook in self._hooks:
-            if (met := hook.met(times[:kept], rows[:kept])) is not None:
-                kept, failed = met + 1, None
-                self.met = {"condition": str(hook)}
+        if self._mets:
+            times = simulation.grid.rows(first, every, kept)
+            for hook in self._mets:
+                if (met := hook.met(times[:kept], rows[:kept])) is not None:
+                    kept, failed = met + 1, None
+                    self.met = {"condition": str(hook)}
         recording.commit(kept)
         if recording.filled > filled:
-            self.row_at = float(times[kept - 1])
+            self.row_at = simulation.grid.time(-(-first // every) * every + (kept - 1) * every)
         if self.met is not None:
             self.met["time"] = self.row_at
         stays = bool(after) and k > first and failed is None and self.met is None
@@ -201,3 +207,7 @@ class Driver:
         self._recording.commit(1)
         self.row_at = ended.time
         return True
+
+
+def _overrides(hook: Hook, method: str) -> bool:
+    return getattr(type(hook), method) is not getattr(Hook, method)

@@ -69,7 +69,7 @@ def test_check_ends_with_1_if_something_is_wrong(run, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["info", "Rigidbody"], "did you mean RigidBody?"),
+        (["info", "Rigidbody"], "did you mean RigidBody"),
         (["check", "absent.fmu"], "absent.fmu is no file"),
         (["check", "PdTracking"], "PdTracking.fmu is not built: run: adcs build"),
         (["build", "Nothing"], "no component is called Nothing"),

@@ -563,6 +563,13 @@ def _refuse_own_misfits(component: Component) -> None:
             )
 
 
+def check_system(value: object) -> None:
+    """Refuse what is no System."""
+    if not isinstance(value, System):
+        way = 'a System, as adcs.System("name") or adcs.systems()[name].build() gives it'
+        raise expected.refused("system", value, way)
+
+
 def checked_value(name: str, port: Port, value: Value) -> tuple[Any, ...]:
     """Check a value for a variable, by shape, type and range, and return it flat (row-major).
 

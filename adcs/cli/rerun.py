@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from adcs.cli.command import Time, command
-from adcs.cli.showing import Format, progress, write_files
+from adcs.cli.showing import RESULT_FILES, progress, write_files
 from fmus.errors import AdcsError
 from orchestration.isolation.folder import MANIFEST, new_results
 from orchestration.process import endings
@@ -20,8 +20,6 @@ from orchestration.running.rerun import Rerun
 from orchestration.running.rerun import rerun as run_again
 
 app = command("rerun", "adcs rerun results/observer-pd", "adcs rerun theirs/manifest.json --out results/again")
-
-_FILES: dict[str, Format] = {"result.csv": "csv", "result.mat": "mat", "result.h5": "hdf5"}
 
 
 @app.default
@@ -58,11 +56,11 @@ def rerun(
             )
         except RunInterrupted as error:
             raise AdcsError(f"{error}; nothing is written") from error
-        formats = [kind for name, kind in _FILES.items() if (beside / name).is_file()] or ["csv", "mat"]
+        formats = [kind for kind, name in RESULT_FILES.items() if (beside / name).is_file()] or ["csv", "mat"]
         results.clear()
-        write_files(again.result, results.path, formats)
+        written = write_files(again.result, results.path, formats)
         results.forget()
-        files = [results.given / name for name, kind in _FILES.items() if kind in formats] + [results.given / MANIFEST]
+        files = [results.given / path.name for path in written]
     if json_:
         content = {
             "system": again.result.system.name,

@@ -23,6 +23,9 @@ from orchestration.running.accuracy import Estimate
 
 Format = Literal["csv", "mat", "hdf5"]
 
+RESULT_FILES: dict[Format, str] = {"csv": "result.csv", "mat": "result.mat", "hdf5": "result.h5"}
+"""The name of a result's file of each kind."""
+
 REPORT_FILES = ("report.html", "report.png")
 
 
@@ -35,18 +38,12 @@ def progress() -> Progress:
 
 def write_files(result: Result, folder: Path, formats: Sequence[Format]) -> list[Path]:
     """Write the result in these formats, and the manifest."""
-    made = []
-    if "csv" in formats:
-        result.write_csv(folder / "result.csv")
-        made.append(folder / "result.csv")
-    if "mat" in formats:
-        result.write_mat(folder / "result.mat")
-        made.append(folder / "result.mat")
-    if "hdf5" in formats:
-        result.write_hdf5(folder / "result.h5")
-        made.append(folder / "result.h5")
+    write = {"csv": result.write_csv, "mat": result.write_mat, "hdf5": result.write_hdf5}
+    wanted = {kind: folder / name for kind, name in RESULT_FILES.items() if kind in formats}
+    for kind, path in wanted.items():
+        write[kind](path)
     result.write_manifest(folder / "manifest.json")
-    return [*made, folder / "manifest.json"]
+    return [*wanted.values(), folder / "manifest.json"]
 
 
 def command_line() -> str:

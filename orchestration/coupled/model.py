@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from fmus.errors import AdcsError
-from orchestration import expected
 from orchestration.engine import Engine
 from orchestration.engine.overstepping import overstepped
 from orchestration.fmu.file import FmiVersion, Port
@@ -25,7 +24,7 @@ from orchestration.plan.outside import Source
 from orchestration.process.guard import Guard
 from orchestration.process.where import Where
 from orchestration.results.result import Recording
-from orchestration.system import System, Value
+from orchestration.system import System, Value, check_system
 
 _MAX_EVENT_ITERATIONS = 100
 
@@ -56,8 +55,7 @@ class CoupledModel:
         guard: Guard | None = None,
     ) -> None:
         """`record` names the variables of a row (None: all outputs); `source` gives values to unconnected inputs."""
-        if not isinstance(system, System):
-            raise expected.refused("system", system, "a System, as adcs.systems()[name].build() gives it")
+        check_system(system)
         _refuse(system, fmi_version)
         recording = Recording(system, record, 1)
         self.system = system

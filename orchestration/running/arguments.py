@@ -12,7 +12,7 @@ from fmus.errors import AdcsError, shown
 from orchestration import expected
 from orchestration.plan.loops import LoopSolver
 from orchestration.running.hook import Hook
-from orchestration.system import System
+from orchestration.system import check_system
 
 Rule = Callable[[str, object], None]
 
@@ -26,11 +26,6 @@ def check(function: Callable[..., Any], given: Mapping[str, Any], **rules: Rule)
     for name, rule in (_RULES | rules).items():
         if name in defaults and not (given[name] is None and defaults[name] is None):
             rule(name, given[name])
-
-
-def _system(name: str, value: object) -> None:
-    if not isinstance(value, System):
-        raise expected.refused(name, value, 'a System, as adcs.System("name") or adcs.systems()[name].build() gives it')
 
 
 def _count(name: str, value: object, least: int = 1) -> None:
@@ -75,7 +70,7 @@ def _loop_solver_or_its_fields(name: str, value: object) -> None:
 
 
 _RULES: dict[str, Rule] = {
-    "system": _system,
+    "system": lambda name, value: check_system(value),
     **dict.fromkeys(("stop_time", "step", "start_time", "rtol", "atol", "timeout"), expected.number),
     **dict.fromkeys(("real_time", "adaptive", "checkpoint_every"), expected.number),
     "record_every": _count,

@@ -24,7 +24,7 @@ from orchestration.ssp.layout import arrange
 from orchestration.ssp.names import STRUCTURE
 from orchestration.ssp.schemas import Version
 from orchestration.ssp.tree import Box, Pin, Wire, make_tree
-from orchestration.system import Component, System
+from orchestration.system import Component, System, check_system
 
 _FMI2_TYPES = {"Float64": "Real", "Int32": "Integer"}
 
@@ -46,8 +46,7 @@ def write_ssp(
     Connection delays, components that communicate at every n-th step and the exchange step stand in annotations, which
     other tools ignore (the step is also where OMSimulator looks for it). Raises AdcsError.
     """
-    if not isinstance(system, System):
-        raise expected.refused("system", system, "a System, as adcs.systems()[name].build() gives it")
+    check_system(system)
     expected.path("path", path)
     path = Path(path)
     system.check()

@@ -16,8 +16,16 @@ from orchestration.results.result import RunInterrupted as RunInterrupted
 from orchestration.running.accuracy import Estimate as Estimate
 from orchestration.running.accuracy import estimate_error as estimate_error
 from orchestration.running.hook import Hook as Hook
+from orchestration.running.hooks.changes import at as at
+from orchestration.running.hooks.inputs import inputs as inputs
+from orchestration.running.hooks.pace import pace as pace
+from orchestration.running.hooks.saves import checkpoint as checkpoint
+from orchestration.running.hooks.until import until as until
+from orchestration.running.method import CoSimulation as CoSimulation
+from orchestration.running.method import ModelExchange as ModelExchange
 from orchestration.running.rerun import Rerun as Rerun
 from orchestration.running.rerun import rerun as rerun
+from orchestration.running.save import Save as Save
 from orchestration.running.session import Session as Session
 from orchestration.ssp import read_ssp as read_ssp
 from orchestration.ssp import write_ssp as write_ssp

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from adcs.catalogue import SYSTEMS, find_system
+from adcs.renamed import refuse_old
+from orchestration import expected
 from orchestration.linear.linearization import linearize as linearize_system
 from orchestration.running.run import run as run_system
 from orchestration.running.session import steps as steps_of_system
@@ -25,10 +27,11 @@ def _by_name(
 
     @wraps(function)
     def found(system: Any, /, *args: Settings.args, **settings: Settings.kwargs) -> Found:
+        refuse_old(function.__name__, settings)
         if isinstance(system, str | Path) and takes(str(system)):
             entry = find_system(str(system))
-            if isinstance(step := settings.get("step"), float | int):
-                entry.check_step(step)
+            if (step := settings.get("step")) is not None:
+                entry.check_step(expected.seconds("step", step))
             system = entry.built()
         return function(system, *args, **settings)
 

@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from adcs import AdcsError, run
+from adcs import AdcsError, Save, run
 from adcs.library.trigo.metrics import measure
 from adcs.library.trigo.settings import AS_MADE, CONTROL_RATE, CONTROLLERS, SCENARIOS, STOP_TIME
 from adcs.library.trigo.systems import build, exchange_step, recorded
@@ -39,7 +39,7 @@ def measure_round(stop_time: float = STOP_TIME) -> Round:
         for controller in CONTROLLERS:
             system = build(controller, scenario, AS_MADE)
             step = exchange_step(scenario, AS_MADE, CONTROL_RATE)
-            result = run(system, stop_time=stop_time, step=step, record=recorded(system))
+            result = run(system, stop_time=stop_time, step=step, save=Save(recorded(system)))
             stepping += result.manifest["timing"]["cpu_s"]
             if stop_time == STOP_TIME:
                 measure(result)

@@ -17,6 +17,7 @@ from orchestration.entry import SystemEntry
 from orchestration.fmu.file import Fmu, Kind, open_fmu
 from orchestration.from_file import system_from_file
 from orchestration.grid import Grid
+from orchestration.running.method import method_of
 from orchestration.running.run import run
 from orchestration.running.session import rigid
 
@@ -46,7 +47,7 @@ def _with_call(path: Path, finding: str) -> str:
             try:
                 entry = system_from_file(str(path))
                 end = entry.start_time + entry.step
-                run(entry.built(), stop_time=end, method=kind, isolated=True)
+                run(entry.built(), stop_time=end, method=method_of(kind), isolated=True)
             except AdcsError as error:
                 return f"{_RUN_BY}{kind} ends: {error}"
     return finding
@@ -70,7 +71,7 @@ def first_steps(path: Path) -> Iterator[str]:
             start, step = entry.start_time, entry.step
             Grid.make(start, entry.stop_time, step, lambda: None)
             step = min(step, _internal_step(fmu) or step)
-            run(entry.build(), start_time=start, stop_time=start + step, step=step, method=kind)
+            run(entry.build(), start_time=start, stop_time=start + step, step=step, method=method_of(kind))
         except Unsupported as error:
             yield Note(str(error))
         except AdcsError as error:

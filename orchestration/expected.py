@@ -10,6 +10,7 @@ from typing import Any, get_args
 import numpy as np
 
 from fmus.errors import AdcsError, shown
+from orchestration import times
 
 
 def refused(name: str, value: object, expected: str) -> AdcsError:
@@ -29,6 +30,23 @@ def number(name: str, value: object) -> None:
         return
     quoted = isinstance(value, str) and not isnan(_as_number(value))
     raise refused(name, value, f"a number, {shown(str(value))} without quotes" if quoted else "a number")
+
+
+def seconds(name: str, value: object) -> float:
+    """Return a time [s]: a number, or a text with its unit; refuse anything else."""
+    if not isinstance(value, str) or not isnan(_as_number(value)):
+        number(name, value)
+        return float(value)  # type: ignore[arg-type]
+    try:
+        return times.seconds(value)
+    except ValueError as error:
+        raise AdcsError(f"{name}: {error}") from None
+
+
+def count(name: str, value: object, what: str, least: int = 1) -> None:
+    """Refuse what is no whole number, or too small a one; `what` was expected."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+        raise refused(name, value, f"{what} from {least}")
 
 
 def text(name: str, value: object) -> None:

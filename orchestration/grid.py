@@ -110,6 +110,10 @@ class Grid:
         """How many rows there are from point `first` on: of every `every`-th point, and of a shorter last step."""
         return self.full // every - -(-first // every) + 1 + (self.stop is not None)
 
+    def capacity(self, first: int, every: int) -> int:
+        """How many rows there may be at most: with one for an end between the last of these points and that of all."""
+        return self.count(first, every) + (every > 1)
+
     def rows(self, first: int, every: int, most: int = _MOST_STEPS) -> NDArray[np.float64]:
         """The times of these rows, or of the first of them."""
         begin = -(-first // every) * every
@@ -122,6 +126,11 @@ class Grid:
             ) from None
         times: NDArray[np.float64] = self.start + k * self.step
         return times if self.stop is None or len(times) == most else np.append(times, self.stop)
+
+    def places(self, first: int, every: int, most: int = _MOST_STEPS) -> NDArray[np.float64]:
+        """The times of all rows that there may be, or of the first of them."""
+        times = self.rows(first, every, most)
+        return times if every == 1 or len(times) == most else np.append(times, self.time(self.steps))
 
     def _tolerance(self, ratio: float) -> float:
         """How far (in steps) a time may be off a point: what writing it in decimals costs, and resolution of time."""

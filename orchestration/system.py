@@ -20,6 +20,7 @@ from orchestration.fmu.number_types import BEYOND, first_beyond, first_misfit
 from orchestration.fmu.seeds import default_seed, seeds_of
 from orchestration.fmu.typed_values import binary_values, item_numbers, size_text
 from orchestration.fmu.units import Scale, conversion
+from orchestration.times import Seconds
 
 Value = Any
 """What a start value may be: a number, bool or str, or nested sequences or an array of them."""
@@ -156,16 +157,17 @@ class System:
         """All connections; `connect` and `disconnect` change them."""
         return tuple(self._connections)
 
-    def run_times(self, start: float | None, stop: float | None, step: float | None) -> tuple[float, float, float]:
-        """Return start, stop and step (s) of a run: the system's own where none is given, and a start of 0 without."""
-        own = self.times
-        if own is None and (stop is None or step is None):
+    def run_times(
+        self, start: Seconds | None, stop: Seconds | None, step: Seconds | None
+    ) -> tuple[float, float, float]:
+        """Return start, stop and step [s] of a run: the system's own where none is given, and a start of 0 without."""
+        if self.times is None and (stop is None or step is None):
             raise AdcsError(f"{'stop_time' if stop is None else 'step'}: {self.name} has none of its own, give it")
-        own = own or Times(0.0, stop or 0.0, step or 0.0)
+        own = self.times or Times(0.0, 0.0, 0.0)
         return (
-            own.start if start is None else start,
-            own.stop if stop is None else stop,
-            own.step if step is None else step,
+            own.start if start is None else expected.seconds("start_time", start),
+            own.stop if stop is None else expected.seconds("stop_time", stop),
+            own.step if step is None else expected.seconds("step", step),
         )
 
     def add(self, name: str, fmu: str | Path, start: Mapping[str, Value] | None = None, every: int = 1) -> None:

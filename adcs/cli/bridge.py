@@ -22,8 +22,11 @@ from orchestration.process.watch import Unwatched
 from orchestration.process.where import Where
 from orchestration.results.result import Unrecorded
 from orchestration.running.driver import Driver
-from orchestration.running.hook import Hook, Outline
+from orchestration.running.hook import Hook
 from orchestration.running.hooks.pace import Pace
+from orchestration.running.method import CoSimulation
+from orchestration.running.outline import Outline
+from orchestration.running.save import Save
 from orchestration.running.session import ENDLESS, Session
 from orchestration.system import System
 
@@ -67,7 +70,7 @@ def bridge(
     grid, recording = Grid(start, step, steps), Unrecorded(built, None)
     hooks: Sequence[Hook] = (Pace(real_time), watcher)
     for hook in hooks:
-        hook.prepare(Outline(built, grid, recording, "co-simulation"))
+        hook.prepare(Outline(built, grid, recording, CoSimulation(), Save(), which.fmi_version))
     console = Console(stderr=True)
     with (
         Session(built, step=step, start_time=start, steps=steps, fmi_version=which.fmi_version) as simulation,

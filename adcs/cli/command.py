@@ -7,13 +7,14 @@ has the group as a parameter.
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass, fields
 from datetime import datetime
-from typing import Annotated, Any, TypeVar, dataclass_transform
+from typing import Annotated, Any, TypeVar, dataclass_transform, get_type_hints
 
 from cyclopts import App, Group, Parameter, Token
 
-from adcs.cli import words
+from orchestration import times
 
 _Class = TypeVar("_Class")
 _titles: dict[str, int] = {}  # and where they stand in the help
@@ -46,18 +47,25 @@ def group(title: str) -> Callable[[type[_Class]], type[_Class]]:
     place = _titles.setdefault(title, len(_titles) + 1)
 
     def made(cls: type[_Class]) -> type[_Class]:
-        return Parameter(name="*", group=Group(title, sort_key=place))(dataclass(frozen=True, kw_only=True)(cls))
+        options = dataclass(frozen=True, kw_only=True)(cls)
+        for name, field in (own := options.__dataclass_fields__).items():  # type: ignore[attr-defined]
+            own[name] = copy(field)
+            own[name].kw_only = True  # also what is inherited: options have names
+        hints = get_type_hints(options, include_extras=True)  # each in the module where it stands
+        options.__init__.__annotations__ |= {name: hints[name] for name in own}
+        return Parameter(name="*", group=Group(title, sort_key=place))(options)
 
     return made
 
 
-def given(options: Any) -> list[str]:
-    """Name the options of a group that are not as they are by default, as they are written."""
-    return [f"--{f.name.replace('_', '-')}" for f in fields(options) if getattr(options, f.name) != f.default]
+def given(options: Any) -> dict[str, str]:
+    """Return the options of a group that are not as they are by default, as they are written, and their fields."""
+    changed = (f.name for f in fields(options) if getattr(options, f.name) != f.default)
+    return {f"--{name.replace('_', '-')}": name for name in changed}
 
 
 def _seconds(kind: Any, tokens: tuple[Token, ...]) -> float:
-    return words.time(tokens[0].value)
+    return times.seconds(tokens[0].value)
 
 
 Time = Annotated[

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
-
 from adcs.cli.options import GroundTools
 from fmus.errors import AdcsError
 from hil_bridge.ground.attach import Bridge, Recorder, log_only
@@ -16,7 +14,7 @@ from orchestration.system import System
 
 def attached(
     system: System, tools: GroundTools, *, step: float, start: float = 0.0, speed: float = 1.0, network: bool = True
-) -> AbstractContextManager[Bridge | Recorder]:
+) -> Bridge | Recorder:
     """Return what takes part in a run of the system, which is rewired for the commands that are allowed.
 
     Without `network` it only writes the log.

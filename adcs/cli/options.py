@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import AbstractContextManager
+from dataclasses import dataclass, fields
 from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Literal
@@ -11,14 +12,22 @@ from cyclopts import Parameter
 
 from adcs.catalogue import find_system
 from adcs.cli import words
-from adcs.cli.command import Epoch, Speed, Time, Whole, group
+from adcs.cli.command import Epoch, Speed, Time, Whole, given, group
 from adcs.cli.showing import Format
+from fmus.errors import AdcsError
 from hil_bridge.frames import FrameName
-from orchestration.coupled import SolverName
 from orchestration.entry import SystemEntry
 from orchestration.fmu.file import FmiVersion, Kind
 from orchestration.isolation.folder import ResultsFolder, new_results
 from orchestration.plan.loops import LoopMethod
+from orchestration.process.writing import make_folder
+from orchestration.running.hook import Hook
+from orchestration.running.hooks.changes import Changes
+from orchestration.running.hooks.inputs import Inputs
+from orchestration.running.hooks.pace import Pace
+from orchestration.running.hooks.saves import Saves
+from orchestration.running.hooks.until import Until
+from orchestration.running.method import METHODS, CoSimulation, Method, ModelExchange
 from orchestration.running.session import Stepping
 from orchestration.system import System
 
@@ -90,23 +99,38 @@ class Times(Steps):
         return entry.start_time if self.start is None else self.start
 
 
-@group("How it is solved")
-class Solving:
-    """The method."""
-
+@dataclass(frozen=True, kw_only=True)
+class _Choice:
     method: Kind = "co-simulation"
     """Exchange values every step, or integrate all components as one differential equation."""
-    solver: SolverName = "DOP853"
-    """Integrator of model-exchange."""
-    stepping: Stepping = "compiled"
-    """Loop of co-simulation; both give the same to the last bit."""
-    solve_loops: LoopMethod | None = None
+
+
+@group("How it is solved")
+class Solving(ModelExchange, CoSimulation, _Choice):
+    """The method: its options are declared in its class, and here only where words of a command line differ."""
+
+    loops: Annotated[LoopMethod | None, Parameter(name="--solve-loops")] = None
     """Solve algebraic loops by this method."""
-    adaptive: Annotated[float | None, Parameter(metavar="TOLERANCE")] = None
-    """Choose exchange steps of --step/2^j so that halving them changes no output by more than TOLERANCE * (1 + its
-    size)."""
+    timeout: Time = 120.0
+    """Give up when one call of a component takes longer."""
+    stepping: Annotated[Stepping, Parameter(parse=False)] = "compiled"
     estimate_error: bool = False
     """Say what the exchange step costs in accuracy, output by output."""
+
+    def made(self) -> Method:
+        """Return the method; AdcsError where an option is given that it has not."""
+        kind = next(each for each in METHODS if each.kind == self.method)
+        other = next(each for each in METHODS if each.kind != self.method)
+        names = {field.name for field in fields(kind)}
+        for option, field in given(self).items():
+            if field not in names and field in {f.name for f in fields(other)}:
+                add = (
+                    f"add --method {other.kind}"
+                    if self.method == _Choice.method
+                    else f"leave out --method {self.method}"
+                )
+                raise AdcsError(f"{option} {getattr(self, field)}: an option of {other.kind}, {add}")
+        return kind(**{name: getattr(self, name) for name in names})
 
 
 @group("What happens during the run")
@@ -115,15 +139,13 @@ class During:
 
     at: Annotated[tuple[str, ...], Parameter(metavar="TIME NAME=VALUE", allow_leading_hyphen=True)] = ()
     """Set an unconnected input or a tunable parameter at a time, as in 120s; may be repeated."""
-    input_table: Path | None = None
-    """CSV table of unconnected inputs: columns `time` and COMPONENT.VARIABLE."""
-    until: Annotated[str | None, Parameter(metavar="CONDITION")] = None
+    input_table: Annotated[tuple[Path, ...], Parameter(metavar="PATH")] = ()
+    """CSV table of unconnected inputs: columns `time` and COMPONENT.VARIABLE; may be repeated."""
+    until: Annotated[tuple[str, ...], Parameter(metavar="CONDITION")] = ()
     """End at the first row where "norm(NAME) < 1e-4 and time > 20" holds; also max(), min(), abs(), or, not, <=, >, >=,
     + - * /."""
     real_time: Speed | None = None
     """Keep pace with the clock, SPEED times as fast."""
-    timeout: Time = 120.0
-    """Give up when one call of a component takes longer."""
     checkpoint: Path | None = None
     """Save the state at the end to this file."""
     checkpoint_every: Time | None = None
@@ -132,6 +154,20 @@ class During:
     """Go on from a saved state."""
     in_process: bool = False
     """Do without a process of its own for the run, as for a debugger."""
+
+    def hooks(self, system: System) -> list[Hook]:
+        """Return what takes part in a run of the system."""
+        hooks: list[Hook] = [Changes([words.change(system, text) for text in self.at])] if self.at else []
+        hooks += [Inputs(path) for path in self.input_table]
+        hooks += [Until(condition) for condition in self.until]
+        if self.real_time is not None:
+            hooks.append(Pace(self.real_time))
+        if self.checkpoint is not None:
+            make_folder(self.checkpoint.parent, f"--checkpoint {self.checkpoint}")
+            hooks.append(Saves(self.checkpoint.absolute(), self.checkpoint_every))
+        elif self.checkpoint_every is not None:
+            raise AdcsError("--checkpoint-every: there is no checkpoint to be written, add --checkpoint FILE")
+        return hooks
 
 
 @group("Ground tools")

@@ -9,22 +9,20 @@ from dataclasses import replace
 from typing import Any
 
 from adcs.cli import ground_tools as ground
-from adcs.cli import words
 from adcs.cli.command import command, given
 from adcs.cli.options import During, Results, Solving, Streaming, SystemName, Times, Which
 from adcs.cli.run_files import RunFiles
 from adcs.cli.showing import Format, as_json, command_line, exit_code, progress, show, write_report
 from fmus.errors import AdcsError
-from orchestration.entry import SystemEntry
 from orchestration.from_file import from_anywhere
 from orchestration.isolation import supervised
 from orchestration.isolation.folder import MANIFEST
-from orchestration.plan.loops import LoopSolver
 from orchestration.process import endings
-from orchestration.process.writing import make_folder
 from orchestration.results.result import RunFailed, RunInterrupted
 from orchestration.running.accuracy import Estimate, estimate_error
+from orchestration.running.hooks.pace import Pace
 from orchestration.running.run import run as run_system
+from orchestration.running.save import Save
 from orchestration.system import System
 
 _LARGE = 20_000_000  # values; more are written, but not read again for key numbers and report
@@ -50,29 +48,29 @@ def run(
 ) -> None:
     """Run a system: write the result, manifest.json, report.html, report.png, and print the key numbers."""
     entry, built = which.built(system)
-    settings = _settings(entry, built, which, times, solving, during, results)
+    start, stop, step = times.start_of(entry), times.stop_of(entry), times.step_of(entry)
+    method, hooks = solving.made(), during.hooks(built)
     record = list(results.record) or None
     formats: list[Format] = list(dict.fromkeys(results.format or ("csv", "mat")))
     no_report = results.no_report or (record is not None and formats == ["hdf5"])  # whose file holds what is recorded
     if solving.estimate_error and solving.method != "co-simulation":
         raise AdcsError("--estimate-error is a matter of co-simulation: model-exchange has no exchange step")
-    if during.checkpoint is not None:
-        make_folder(during.checkpoint.parent, f"--checkpoint {during.checkpoint}")
     wanted = record if no_report else _with_outputs(built, record)  # the report needs more than what is written
-    if settings["stop_time"] == settings["start_time"]:
-        raise AdcsError(f"stop = {settings['start_time']:g} s is the start time: give a later one")
+    if stop == start:
+        raise AdcsError(f"stop = {start:g} s is the start time: give a later one")
     errors: Estimate | None = None
     attached: AbstractContextManager[Any] = nullcontext()
     if tools.mavlink or tools.tlog is not None:
         if solving.estimate_error:
             raise AdcsError("--estimate-error repeats the run, which --mavlink and --tlog would show: leave one out")
         if tools.mavlink and during.real_time is None:
-            settings["real_time"] = 1.0
+            hooks.append(Pace())
         if tools.tlog is not None:
             tools = replace(tools, tlog=tools.tlog.absolute())
-        pace = {"step": settings["step"], "start": settings["start_time"], "speed": settings["real_time"] or 1.0}
-        attached = watcher = ground.attached(built, tools, **pace, network=tools.mavlink)
-        settings["watchers"] = [watcher]
+        speed = during.real_time or 1.0
+        watcher = ground.attached(built, tools, step=step, start=start, speed=speed, network=tools.mavlink)
+        attached = watcher
+        hooks.append(watcher)
         wanted = _with_outputs(built, wanted)
     elif options := given(tools):
         raise AdcsError(f"{', '.join(options)}: for ground tools, add --mavlink")
@@ -86,7 +84,7 @@ def run(
         endings.heard(),
         results.folder(entry) as folder,  # refused now, rather than after the run
         RunFiles(
-            folder, formats, {**about, "command": command_line()}, during.timeout, supervised.printed
+            folder, formats, {**about, "command": command_line()}, solving.timeout, supervised.printed
         ) as run_files,
         attached,
         progress() as bar,
@@ -98,7 +96,18 @@ def run(
             bar.update(task, completed=part)
 
         try:
-            result = run_system(built, **settings, record=wanted, progress=update, journal=run_files.journal)
+            result = run_system(
+                built,
+                start_time=start,
+                stop_time=stop,
+                step=step,
+                method=method,
+                save=Save(wanted, every=results.record_every, to=run_files.journal),
+                hooks=hooks,
+                resume=during.resume,
+                fmi_version=which.fmi_version,
+                progress=update,
+            )
         except (RunFailed, RunInterrupted) as error:
             stopped, result = error, error.result
         bar.update(task, completed=1.0, description="writing the results")
@@ -123,40 +132,6 @@ def run(
         sys.exit(exit_code(stopped))
     if endings.noted:
         sys.exit(128 + endings.last)
-
-
-def _settings(
-    entry: SystemEntry,
-    built: System,
-    which: Which,
-    times: Times,
-    solving: Solving,
-    during: During,
-    results: Results,
-) -> dict[str, Any]:
-    """What `run` of Python is told: the one place where the options of the command line get its names."""
-    if solving.method != "model-exchange" and "--solver" in given(solving):
-        raise AdcsError(f"--solver {solving.solver}: an integrator of model-exchange, add --method model-exchange")
-    return {
-        "start_time": times.start_of(entry),
-        "stop_time": times.stop_of(entry),
-        "step": times.step_of(entry),
-        "method": solving.method,
-        "solver": solving.solver,
-        "fmi_version": which.fmi_version,
-        "stepping": solving.stepping,
-        "solve_loops": None if solving.solve_loops is None else LoopSolver(solving.solve_loops),
-        "adaptive": solving.adaptive,
-        "changes": [words.change(built, text) for text in during.at],
-        "inputs": during.input_table,
-        "until": during.until,
-        "real_time": during.real_time,
-        "timeout": during.timeout,
-        "checkpoint": None if during.checkpoint is None else during.checkpoint.absolute(),
-        "checkpoint_every": during.checkpoint_every,
-        "resume": during.resume,
-        "record_every": results.record_every,
-    }
 
 
 def at_in_one(arguments: Sequence[str]) -> list[str]:

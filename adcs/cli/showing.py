@@ -20,6 +20,7 @@ from orchestration.process import endings
 from orchestration.results import plots, report
 from orchestration.results.result import Result, RunFailed, RunInterrupted
 from orchestration.running.accuracy import Estimate
+from orchestration.running.hook import listed
 
 Format = Literal["csv", "mat", "hdf5"]
 
@@ -149,7 +150,7 @@ def _lines(result: Result) -> list[str]:
     if met := manifest["outcome"].get("met"):
         lines.append(f"ended at t = {met['time']:.9g} s, where {met['condition']}")
     elif "until" in manifest["settings"] and manifest["outcome"]["status"] == "complete":
-        lines.append(f"the condition was not met: {manifest['settings']['until']}")
+        lines.append(f"the condition was not met: {' or '.join(listed(manifest['settings']['until']))}")
     if ended := manifest["outcome"].get("ended"):
         lines.append(f"ended at t = {ended['time']:.9g} s by {ended['component']}: {ended['message']}")
     if pace := manifest.get("real_time"):

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from math import isfinite
 from typing import Any
 
 from fmus.errors import AdcsError, shown
+from orchestration import times
 from orchestration.fmu.values import parse_value
 from orchestration.system import System
 
@@ -94,25 +94,10 @@ def delay(system: System, assignment: str) -> None:
         system.delay(name, seconds=seconds(text, f"--delay {shown(name)}"))
 
 
-_UNITS = {"": 1.0, "us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0}  # s
-
-
-def time(text: str) -> float:
-    """Read a time [s] with or without a unit; ValueError if it is none."""
-    match = re.fullmatch(r"\s*(?P<number>[-+.\deE]+)\s*(?P<unit>us|ms|s|min|h|)\s*", text, re.ASCII)
-    try:
-        found = float(match["number"]) * _UNITS[match["unit"]]  # type: ignore[index]
-        if not isfinite(found):
-            raise ValueError
-        return found
-    except (TypeError, ValueError):
-        raise ValueError(f"{shown(repr(text))} is not a time, write 120s, 0.1s, 5ms, 2min or 1h") from None
-
-
 def seconds(text: str, what: str) -> float:
     """Read a time [s] that is part of an option; `what` is the option, for the error."""
     try:
-        return time(text)
+        return times.seconds(text)
     except ValueError as error:
         raise AdcsError(f"{what}: {error}") from None
 

@@ -43,7 +43,7 @@ class Bridge(Hook):
 
         system = SYSTEMS["observer-pd"].build()
         with Bridge(system, find(system), Settings("observer-pd", ..., step=0.01)) as bridge:
-            run(system, stop_time=100.0, step=0.01, real_time=1.0, watchers=[bridge])
+            run(system, stop_time=100.0, step=0.01, hooks=[pace(), bridge])
 
     When the process dies, the run goes on.
     """

@@ -11,7 +11,6 @@ import numpy as np
 
 from fmus.errors import AdcsError
 from hil_bridge.wire import FLOAT32_MOST
-from orchestration.plan.loops import LoopSolver
 from orchestration.running.session import Session
 
 _POINTS = 2000
@@ -76,7 +75,7 @@ class Forecast:
                 fmi_version="3.0" if version == 3 else "2.0",
                 record=list(live.recording.ports),
                 external=live.external,
-                solver=LoopSolver(),
+                loops="newton",
             )
         copy = self._copy
         copy.k = live.k

@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 
 from fmus.errors import AdcsError
+from orchestration import expected
 from orchestration.engine import Engine
 from orchestration.engine.overstepping import overstepped
 from orchestration.fmu.file import FmiVersion, Port
 from orchestration.instances.instance import CallFailed, EndRequested, Instance, failing_at
 from orchestration.plan.changing import checked_change
-from orchestration.plan.loops import Loops, LoopSolver
+from orchestration.plan.loops import LoopMethod, Loops, LoopSolver, loop_solver
 from orchestration.plan.lowering import Floats, Plan, make_plan
 from orchestration.plan.opening import initialised
 from orchestration.plan.outside import Source
@@ -25,6 +26,7 @@ from orchestration.process.guard import Guard
 from orchestration.process.where import Where
 from orchestration.results.result import Recording
 from orchestration.system import System, Value, check_system
+from orchestration.times import Seconds
 
 _MAX_EVENT_ITERATIONS = 100
 
@@ -44,18 +46,20 @@ class CoupledModel:
     def __init__(
         self,
         system: System,
-        start_time: float = 0.0,
-        stop_time: float = inf,
+        start_time: Seconds = 0.0,
+        stop_time: Seconds = inf,
         fmi_version: FmiVersion = "2.0",
         record: Sequence[str] | None = None,
         *,
-        loops: LoopSolver | None = None,
+        loops: LoopSolver | LoopMethod | None = None,
         source: Source | None = None,
         where: Where | None = None,
         guard: Guard | None = None,
     ) -> None:
         """`record` names the variables of a row (None: all outputs); `source` gives values to unconnected inputs."""
         check_system(system)
+        start_time, stop_time = expected.seconds("start_time", start_time), expected.seconds("stop_time", stop_time)
+        solver = loop_solver(loops)
         _refuse(system, fmi_version)
         recording = Recording(system, record, 1)
         self.system = system
@@ -69,7 +73,7 @@ class CoupledModel:
                 stop_time,
                 fmi_version,
                 external=self.external,
-                solver=loops,
+                solver=solver,
                 where=where,
                 guard=guard,
             )
@@ -88,15 +92,15 @@ class CoupledModel:
                 make_plan,
                 fmus,
                 starts={c.name: c.start for c in system.components.values()},
-                solve_loops=loops is not None,
+                solve_loops=solver is not None,
             )
             self._at_events = lower(system.connections, external=self.external)
             self._sets = [call for call in self._at_events.calls if call.kind == "set"]
             self._sets += [call for loop in self._at_events.loops for call in loop.sets]
-            self._propagate = self._bind(self._at_events, loops).propagate
+            self._propagate = self._bind(self._at_events, solver).propagate
             between = [lower(continuous, names, external=flowing) for names in ((), recording.names)]
             self._flowing = [plan.signals[: plan.n_external] for plan in between]
-            self._derivatives, self._outputs = (self._bind(plan, loops) for plan in between)
+            self._derivatives, self._outputs = (self._bind(plan, solver) for plan in between)
             self.state_names = [f"{name}.{state}" for name, fmu in fmus.items() for state in fmu.states]
             self._row_size = sum(port.size for port in self.ports.values())
             self._watchers = [i for i in self.instances.values() if _needs_completed_step(i)]

@@ -31,12 +31,12 @@ class CoupledSimulation:
         self,
         model: CoupledModel,
         grid: Grid,
-        *,
-        record_every: int = 1,
-        where: Where | None = None,
         solver: SolverName = "DOP853",
         rtol: float = 1e-10,
         atol: float = 1e-12,
+        *,
+        record_every: int = 1,
+        where: Where | None = None,
     ) -> None:
         self.model, self.grid = model, grid
         self.system, self.last = model.system, grid.steps
@@ -59,6 +59,11 @@ class CoupledSimulation:
     def ports(self) -> Mapping[str, Port]:
         """The recorded variables by name, in the order of a row."""
         return self.model.ports
+
+    @property
+    def state_names(self) -> list[str]:
+        """The names of `states`."""
+        return self.model.state_names
 
     @property
     def instances(self) -> Mapping[str, Instance]:

@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -33,13 +34,17 @@ _GRACE = 10.0  # s, for it to end after Ctrl-C
 
 def run_apart(asked: Mapping[str, Any]) -> Result:
     """Run what `orchestration.running.run.run` was asked to; refuse by name what cannot cross to another process."""
-    settings = {k: v for k, v in asked.items() if k not in ("isolated", "progress", "journal", "watchers", "hdf5")}
-    if asked["watchers"]:
-        raise AdcsError("watchers: they are part of this process, and cannot take part in an isolated run")
-    if asked["journal"] is not None:
-        raise AdcsError("journal: an isolated run has one of its own")
-    if asked["hdf5"] is not None:
-        hdf5.check(Path(asked["hdf5"]), {})
+    settings = {name: value for name, value in asked.items() if name not in ("isolated", "progress")}
+    for hook in asked["hooks"]:
+        if not hook.repeatable:
+            kind = type(hook).__name__
+            raise AdcsError(f"hooks: {kind} is part of this process, and cannot take part in an isolated run")
+    save, file = asked["save"], asked["save"].to
+    if isinstance(file, journal.Journal):
+        raise AdcsError("save: an isolated run has a journal of its own")
+    if file is not None:
+        hdf5.check(Path(file), {})
+        settings["save"] = replace(save, to=None)
     for name, value in settings.items():
         try:
             pickle.dumps(value)
@@ -49,8 +54,8 @@ def run_apart(asked: Mapping[str, Any]) -> Result:
         (place / ASKED).write_bytes(pickle.dumps(settings))
         code = _serve(place, asked["progress"])
         result, failed = _answer(asked, place, code)
-    if asked["hdf5"] is not None:
-        result, failed = _to_file(result, Path(asked["hdf5"]), failed)
+    if file is not None:
+        result, failed = _to_file(result, Path(file), failed)
     if failed is not None:
         raise failed
     return result

@@ -101,8 +101,8 @@ class Journal:
             "ports": [[name, _port_to_json(port)] for name, port in self.recording.ports.items()],
         }
         text = json.dumps(about).encode()
-        self._times = partial(grid.rows, first, every)
-        rows, width = grid.count(first, every) + (every > 1), self.recording.size  # an end may have one of its own
+        self._times = partial(grid.places, first, every)
+        rows, width = grid.capacity(first, every), self.recording.size
         self._rows_at, self._row = _pages(_ABOUT + len(text)), width * 8
         self._end = self._rows_at + _pages(rows * self._row)
         try:
@@ -212,6 +212,20 @@ class JournalRecording(Recording):
     def __init__(self, system: System, record: Sequence[str] | None, journal: Journal) -> None:
         super().__init__(system, record)
         self._journal = journal
+        self.where = journal.where
+
+    @property
+    def printed(self) -> Callable[[], bool] | None:
+        """Says whether components have printed to the standard output since it was asked; None if nobody knows."""
+        return self._journal.printed
+
+    def begin(self, grid: Grid, manifest: dict[str, Any], first: int, every: int) -> None:
+        """Make the file."""
+        self._journal.begin(self.system, grid, manifest, first, every)
+
+    def fail(self, outcome: Mapping[str, Any]) -> None:
+        """Note it in the file."""
+        self._journal.fail(outcome)
 
     @property
     def capacity(self) -> int:
@@ -247,9 +261,7 @@ class Kept:
     def times(self) -> Floats:
         """Of the rows [s], as their grid has them."""
         first, every = self.about["points"]
-        grid = Grid(*self.about["grid"])
-        times = grid.rows(first, every, len(self.data))
-        return times if len(times) == len(self.data) else np.append(times, grid.time(grid.steps))
+        return Grid(*self.about["grid"]).places(first, every, len(self.data))
 
 
 def read(path: Path) -> Kept:

@@ -12,16 +12,17 @@ import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration import expected
-from orchestration.coupled import CoupledModel, SolverName
+from orchestration.coupled import CoupledModel
 from orchestration.coupled.solution import Solution
 from orchestration.fmu.file import FmiVersion, Port
 from orchestration.linear.jacobian import jacobian
 from orchestration.linear.state_space import Mode, StateSpace
 from orchestration.linear.unit_quaternions import minimal, unit_quaternions, with_notes
-from orchestration.plan.loops import LoopSolver
 from orchestration.plan.lowering import Floats
+from orchestration.running.method import ModelExchange
 from orchestration.single import single
 from orchestration.system import Connection, End, System
+from orchestration.times import Seconds
 
 __all__ = ["Mode", "StateSpace", "linearize"]
 
@@ -38,17 +39,15 @@ def linearize(
     open_at: Sequence[str] = (),
     minimal_coordinates: bool = False,
     start: Mapping[str, Any] | None = None,
-    start_time: float = 0.0,
+    start_time: Seconds = 0.0,
     fmi_version: FmiVersion = "2.0",
-    solver: SolverName = "DOP853",
-    rtol: float = 1e-10,
-    atol: float = 1e-12,
-    loops: LoopSolver | None = None,
+    method: ModelExchange = ModelExchange(),
 ) -> StateSpace:
     """Linearise a system, or one FMU by name or path, where it is at a time.
 
-    The system is integrated from `start_time` to `time` (s) by coupled Model Exchange, and differentiated there: by the
-    FMUs' directional derivatives, or central differences of those that have none.
+    The system is integrated from `start_time` to `time` by coupled Model Exchange, as `method` says, and differentiated
+    there: by the FMUs' directional derivatives, or central differences of those that have none. Times are numbers of
+    seconds, or texts as "20s".
 
     `inputs` and `outputs` name variables, `component.variable`, or elements of them; by default all inputs that are not
     connected, and all outputs. An input that is connected may be named too: what is put in there is added to what the
@@ -57,7 +56,9 @@ def linearize(
     rotation, NAME.angle[1..3], instead of its four elements. `start` gives start values to a single FMU. Raises
     AdcsError.
     """
-    expected.number("time", time)
+    time, start_time = expected.seconds("time", time), expected.seconds("start_time", start_time)
+    if not isinstance(method, ModelExchange):
+        raise expected.refused("method", method, "adcs.ModelExchange(...): a linearisation is made of derivatives")
     for name, given in {"inputs": inputs, "outputs": outputs, "open_at": open_at}.items():
         if given is not None:
             expected.texts(name, given)
@@ -75,8 +76,8 @@ def linearize(
                 f"{component.name} ({fmu.path.name}) is for co-simulation only, and a linearisation needs its "
                 "derivatives: export it for Model Exchange"
             )
-    with CoupledModel(system, start_time, fmi_version=fmi_version, record=[], loops=loops) as model:
-        solution = Solution(model, start_time, 1e-9 * max(time - start_time, 1e-3), solver, rtol, atol)
+    with CoupledModel(system, start_time, fmi_version=fmi_version, record=[], loops=method.loops) as model:
+        solution = Solution(model, start_time, 1e-9 * max(time - start_time, 1e-3), *method.integrator)
         solution.reach(time)
         if model.ended is not None:
             raise AdcsError(f"{model.ended}; linearise at a time before that")

@@ -17,6 +17,7 @@ from orchestration.plan.propagation import execute, gather
 
 LoopMethod = Literal["newton", "fixed-point"]
 
+_METHODS = " or ".join(map(repr, get_args(LoopMethod)))
 _HALVINGS = 10  # of a Newton step that makes the residual grow
 _MACHINE = float(np.finfo(float).eps)
 
@@ -35,12 +36,21 @@ class LoopSolver:
 
     def __post_init__(self) -> None:
         if self.method not in get_args(LoopMethod):
-            raise AdcsError(f"loop method {self.method!r} is unknown: use {' or '.join(get_args(LoopMethod))}")
+            raise AdcsError(f"loop method {self.method!r} is unknown: use {_METHODS}")
         expected.number("loop tolerance", self.tolerance)
         if not 8 * _MACHINE <= self.tolerance < 1:
             raise AdcsError(f"loop tolerance = {self.tolerance}: expected a number from {8 * _MACHINE:.1e} to 1")
         if not isinstance(self.max_iterations, int) or self.max_iterations < 1:
             raise expected.refused("loop max_iterations", self.max_iterations, "a whole number from 1")
+
+
+def loop_solver(given: object) -> LoopSolver | None:
+    """Return the solver that is meant: by itself, or by the name of its method; None if none is."""
+    if given is None or isinstance(given, LoopSolver):
+        return given
+    if not isinstance(given, str):
+        raise expected.refused("loops", given, f"{_METHODS}, or adcs.LoopSolver(...)")
+    return LoopSolver(given)  # type: ignore[arg-type]
 
 
 @dataclass

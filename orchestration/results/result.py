@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,8 +16,10 @@ from fmus.errors import AdcsError, shown
 from orchestration import expected
 from orchestration.fmu.file import Port, element_names
 from orchestration.fmu.typed_values import typed
+from orchestration.grid import Grid
 from orchestration.plan.lowering import Floats
 from orchestration.plan.schedule import Name, split
+from orchestration.process.where import Where
 from orchestration.process.writing import replacing
 from orchestration.results import frames, hdf5, summary
 from orchestration.system import NUMERIC, System
@@ -43,6 +45,9 @@ class Recording:
             if name.partition(".")[2] != port.name:
                 raise AdcsError(f"{name} is an element of an array: record {name.rpartition('[')[0]}")
             self.ports[name] = port
+        self.system = system
+        self.where = Where()
+        """Where the run is, of which these are the rows."""
         self.filled = 0
         self.size = sum(port.size for port in self.ports.values())
         self.data = self._allocate(rows)
@@ -53,7 +58,7 @@ class Recording:
         except (MemoryError, ValueError):  # of more than can be addressed
             raise AdcsError(
                 f"{rows} rows of {self.size} values do not fit into memory: write them to a file as they come "
-                "(--format hdf5), record fewer variables, or not every step"
+                '(adcs.Save(to="run.h5"), --format hdf5), record fewer variables, or not every step'
             ) from None
 
     @property
@@ -73,6 +78,24 @@ class Recording:
     def names(self) -> list[Name]:
         """The recorded variables in the order of the columns."""
         return [split(name) for name in self.ports]
+
+    @property
+    def printed(self) -> Callable[[], bool] | None:
+        """Says whether components have printed to the standard output since it was asked; None if nobody knows."""
+        return None
+
+    def begin(self, grid: Grid, manifest: dict[str, Any], first: int, every: int) -> None:
+        """See a run that was found right: rows are of every `every`-th point of the grid from `first` on."""
+
+    def flush(self) -> None:
+        """Write what is to go to a file and has not; AdcsError without room."""
+
+    def fail(self, outcome: Mapping[str, Any]) -> None:
+        """See that the run has failed, and how: there are no more rows to come."""
+
+    def result(self, times: Floats, manifest: dict[str, Any]) -> Result:
+        """Return what was recorded, at these times (s)."""
+        return Result(self.system, times, self.data[: len(times)], self.ports, manifest)
 
 
 class Unrecorded(Recording):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -50,11 +50,12 @@ class FileRecording(Recording):
         """Write what is kept; AdcsError if the disk is full, and what fitted is kept."""
         self._flush()
 
-    def close(self, times: Floats, manifest: Mapping[str, Any]) -> bool:
-        """Write the times and what is known about the run; False if there is no file, as no row has room in one."""
-        if not self._given_up:
-            self._flush().close(times, manifest)
-        return not self._given_up
+    def result(self, times: Floats, manifest: dict[str, Any]) -> Result:
+        """Write the times and what is known about the run; in memory if there is no file, as no row has room in one."""
+        if self._given_up:
+            return super().result(times, manifest)
+        self._flush().close(times, manifest)
+        return FileResult.of(self.system, times, self, manifest)
 
     def _flush(self) -> File:
         """Write what is kept; the file is made by the first rows, so that a refused run leaves an older one alone."""

@@ -11,6 +11,9 @@ import numpy as np
 from fmus.errors import AdcsError
 from orchestration import expected
 from orchestration.results.result import Result
+from orchestration.running.method import ModelExchange
+from orchestration.running.parts import parts
+from orchestration.running.save import Save
 from orchestration.system import System
 
 
@@ -56,21 +59,21 @@ def estimate_error(
     for name in ("until", "record"):
         settings.pop(name, None)
     settings["stop_time"] = float(result.time[-1])
-    common = {"record": result.names, "progress": progress, "solve_loops": settings.pop("solve_loops", None)}
     obstacle = _obstacle(result.system, settings)
+    asked, _ = parts(settings)
     if obstacle is None:
-        times = {name: settings[name] for name in ("start_time", "stop_time", "step", "fmi_version")}
-        reference = run(result.system, method="model-exchange", **times, **common)
+        coupled = ModelExchange(loops=asked["method"].loops)
+        times = {name: asked[name] for name in ("start_time", "stop_time", "step", "fmi_version")}
+        reference = run(result.system, method=coupled, save=Save(result.names), **times, progress=progress)
         at = np.searchsorted(reference.time, result.time - 1e-6 * settings["step"])  # where rows were recorded
         at = at[at < len(reference.time)]  # a component may end the simulation, here a little sooner
         truth: Mapping[str, Any] = {name: reference[name][at] for name in result.names}
         return _compare(result, truth, 1.0, "coupled model exchange", "compared with the solution as one equation")
-    settings.pop("real_time", None)
     if "adaptive" in settings or "resume" in settings:
         raise AdcsError("the error of an adaptive or a resumed run cannot be estimated by halving the step")
-    settings["step"] /= 2
-    settings["record_every"] = 2 * settings.get("record_every", 1)
-    finer = run(result.system.refined(), **settings, **common)
+    asked["step"] /= 2
+    asked["save"] = Save(result.names, every=2 * asked["save"].every)
+    finer = run(result.system.refined(), **asked, progress=progress)
     note = f"twice the difference to half the exchange step, because {obstacle}"
     return _compare(result, {name: finer[name] for name in result.names}, 2.0, "step halving", note)
 

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import fields
 from functools import partial
 from typing import Any
 
-from fmus.errors import AdcsError, shown
 from orchestration import expected
-from orchestration.plan.loops import LoopSolver
 from orchestration.running.hook import Hook
 from orchestration.system import check_system
 
-Rule = Callable[[str, object], None]
+Rule = Callable[[str, object], object]
 
 
 def check(function: Callable[..., Any], given: Mapping[str, Any], **rules: Rule) -> None:
@@ -28,24 +25,10 @@ def check(function: Callable[..., Any], given: Mapping[str, Any], **rules: Rule)
             rule(name, given[name])
 
 
-def _count(name: str, value: object, least: int = 1) -> None:
-    if not isinstance(value, int) or value < least:
-        raise expected.refused(name, value, f"a whole number of steps from {least}")
-
-
-def _changes(name: str, value: object) -> None:
-    for change in expected.collection(name, value):
-        if not isinstance(change, list | tuple) or len(change) != 3:
-            raise AdcsError(f"{name}: {shown(repr(change))} is no change: expected (time, name, value)")
-        time, variable, _ = change
-        expected.text(f"{name}: name", variable)
-        expected.number(f"{name}: time", time)
-
-
-def _watchers(name: str, value: object) -> None:
-    for watcher in expected.collection(name, value):
-        if not isinstance(watcher, Hook):
-            raise expected.refused(name, watcher, "hooks, as adcs.Hook describes them")
+def _hooks(name: str, value: object) -> None:
+    for hook in expected.collection(name, value):
+        if not isinstance(hook, Hook):
+            raise expected.refused(name, hook, "hooks, as adcs.until(...), or what adcs.Hook describes")
 
 
 def _function(name: str, value: object) -> None:
@@ -53,33 +36,23 @@ def _function(name: str, value: object) -> None:
         raise expected.refused(name, value, "what can be called")
 
 
-def loop_solver(name: str, value: object) -> None:
-    """Refuse what is no LoopSolver."""
-    if not isinstance(value, LoopSolver):
-        raise expected.refused(name, value, 'a LoopSolver, as adcs.LoopSolver("newton")')
+def made(kind: type, example: str) -> Rule:
+    """Return the rule that something is of a class; `example` says how one is made."""
 
+    def rule(name: str, value: object) -> None:
+        if not isinstance(value, kind):
+            raise expected.refused(name, value, example)
 
-def _loop_solver_or_its_fields(name: str, value: object) -> None:
-    if not isinstance(value, Mapping):
-        loop_solver(name, value)
-        return
-    known = [field.name for field in fields(LoopSolver)]
-    for key in value:
-        if key not in known:
-            raise AdcsError(f"{name}: {key!r} is unknown: use {', '.join(known)}")
+    return rule
 
 
 _RULES: dict[str, Rule] = {
     "system": lambda name, value: check_system(value),
-    **dict.fromkeys(("stop_time", "step", "start_time", "rtol", "atol", "timeout"), expected.number),
-    **dict.fromkeys(("real_time", "adaptive", "checkpoint_every"), expected.number),
-    "record_every": _count,
-    "steps": partial(_count, least=0),
+    **dict.fromkeys(("stop_time", "step", "start_time"), expected.seconds),
+    "record_every": partial(expected.count, what="a whole number of steps"),
+    "steps": partial(expected.count, what="a whole number of steps", least=0),
     "external": expected.texts,
-    **dict.fromkeys(("inputs", "hdf5", "checkpoint", "resume"), expected.path),
-    "until": expected.text,
-    "changes": _changes,
-    "watchers": _watchers,
+    "resume": expected.path,
+    "hooks": _hooks,
     "progress": _function,
-    "solve_loops": _loop_solver_or_its_fields,
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 import sys
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,7 @@ def main(folder: Path) -> None:
     answer: dict[str, Any] = {"failed": None, "interrupted": False}
     result: Result | None = None
     try:
-        result = run(**asked, journal=journal)
+        result = run(**{**asked, "save": replace(asked["save"], to=journal)})
     except RunFailed as error:
         answer["failed"], result = str(error), error.result
     except RunInterrupted as error:

@@ -37,7 +37,7 @@ class Driver:
         timeout: float,
         progress: Progress = lambda fraction: None,
     ) -> None:
-        self._simulation, self._recording, self._hooks = simulation, recording, hooks
+        self.simulation, self._recording, self._hooks = simulation, recording, hooks
         self._watched, self._where = watched, where
         self._every, self._timeout, self._progress = record_every, timeout, progress
         self.row_at = float("-inf")
@@ -53,15 +53,15 @@ class Driver:
     def prepare(self) -> None:
         """Let everyone see the run; AdcsError from who cannot take part in it."""
         for hook in self._hooks:
-            hook.begin(self._simulation, self._hooks, self._watched)
+            hook.begin(self.simulation, self._hooks, self._watched)
 
     def report(self) -> dict[str, Any]:
         """Return what the manifest is to have of the run."""
-        ended = self._simulation.ended
+        ended = self.simulation.ended
         reports = {name: value for hook in self._hooks for name, value in hook.report().items()}
-        self._simulation.notes += [note for hook in self._hooks for note in hook.notes()]
+        self.simulation.notes += [note for hook in self._hooks for note in hook.notes()]
         return {
-            **self._simulation.report(),
+            **self.simulation.report(),
             **reports,
             **({"stopped": self.met} if self.met is not None else {}),
             **({"ended": ended.as_dict()} if ended is not None else {}),
@@ -69,7 +69,7 @@ class Driver:
 
     def run(self) -> None:
         """Go on to the end. Raises CallFailed, and KeyboardInterrupt between two points; the rows are kept."""
-        simulation, watched = self._simulation, self._watched
+        simulation, watched = self.simulation, self._watched
         count = 16
         try:
             while simulation.k <= simulation.last and self.met is None and simulation.ended is None:
@@ -108,7 +108,7 @@ class Driver:
 
     def _tell(self, first: int) -> None:
         """Show everyone the point that was taken last, if any from `first` on was, and an end that has a row."""
-        simulation, point = self._simulation, self._simulation.k - 1
+        simulation, point = self.simulation, self.simulation.k - 1
         if point >= first:
             self._show(point, simulation.grid.time(point))
         if simulation.ended is not None and self._last_row():
@@ -120,7 +120,7 @@ class Driver:
 
     def _allowed(self, count: int) -> int:
         """How many points may be taken at once."""
-        simulation, k = self._simulation, self._simulation.k
+        simulation, k = self.simulation, self.simulation.k
         room = self._recording.capacity * self._every
         ahead = (simulation.grid.full if k <= simulation.grid.full else simulation.last) + 1 - k
         count = max(1, min(count, ahead, room))
@@ -133,20 +133,20 @@ class Driver:
     def _change(self) -> list[Change]:
         """Make the changes that belong to the present point; return those that are to be made after its row."""
         after: list[Change] = []
-        k = self._simulation.k
+        k = self.simulation.k
         for change in [Change.of(k, change) for changes in self._changes for change in changes(k)]:
-            if change.may_follow(self._simulation):
+            if change.may_follow(self.simulation):
                 after.append(change)
             else:
                 self._apply(change)
         return after
 
     def _apply(self, change: Change) -> None:
-        now = (self._simulation.k, change.name.partition(".")[0], f"setting {change.name}")
-        self._watched(partial(change.apply, self._simulation), partial(tuple, now))
+        now = (self.simulation.k, change.name.partition(".")[0], f"setting {change.name}")
+        self._watched(partial(change.apply, self.simulation), partial(tuple, now))
 
     def _advance(self, n: int, after: Sequence[Change]) -> None:
-        simulation, recording = self._simulation, self._recording
+        simulation, recording = self.simulation, self._recording
         first = simulation.k
         every = self._every if first <= simulation.grid.full else 1  # the end of a shorter step is recorded
         rows = recording.room((first + n - 1) // every - (first - 1) // every)
@@ -159,7 +159,8 @@ class Driver:
         if self._mets:
             times = simulation.grid.rows(first, every, kept)
             for hook in self._mets:
-                if (met := hook.met(times[:kept], rows[:kept])) is not None:
+                met = hook.met(times[:kept], rows[:kept])
+                if met is not None and (self.met is None or met + 1 < kept):
                     kept, failed = met + 1, None
                     self.met = {"condition": str(hook)}
         recording.commit(kept)
@@ -178,29 +179,29 @@ class Driver:
         """Make changes after the row of a point was recorded, and go on from it."""
         for change in after:
             self._apply(change)
-        self._step(self._simulation.leave)
-        if self._simulation.ended is not None:
-            self._simulation.k += 1  # the point itself was taken
+        self._step(self.simulation.leave)
+        if self.simulation.ended is not None:
+            self.simulation.k += 1  # the point itself was taken
 
     def _shorter_step(self) -> bool:
         """Take a last step that is shorter; return whether its end was reached, where no component ended before."""
-        self._step(self._simulation.shorter_step)
-        if self._simulation.ended is not None:
-            self._tell(self._simulation.k)
-        return self._simulation.ended is None
+        self._step(self.simulation.shorter_step)
+        if self.simulation.ended is not None:
+            self._tell(self.simulation.k)
+        return self.simulation.ended is None
 
     def _step(self, step: Callable[[], None]) -> None:
         try:
             self._watched(step)
         except EndRequested:
-            assert self._simulation.ended is not None
+            assert self.simulation.ended is not None
 
     def _last_row(self) -> bool:
         """Record the end that a component asked for, unless its point is recorded; return whether it was."""
-        ended = self._simulation.ended
+        ended = self.simulation.ended
         if ended is None or ended.time is None or ended.time <= self.row_at:
             return False
-        row = self._watched(self._simulation.end_row)
+        row = self._watched(self.simulation.end_row)
         if row is None:
             return False
         self._recording.room(1)[0] = row

@@ -3,32 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
-from orchestration.fmu.file import Kind
-from orchestration.grid import Grid
 from orchestration.plan.lowering import Floats
-from orchestration.plan.outside import Source
-from orchestration.results.result import Recording
 from orchestration.running.change import Change
 from orchestration.running.simulation import Simulation
-from orchestration.system import System, Value
+from orchestration.system import Value
+
+if TYPE_CHECKING:
+    from orchestration.running.outline import Outline
 
 MOST = 1_000_000
 """Points that are taken at once, where nothing asks for less."""
-
-
-@dataclass(frozen=True)
-class Outline:
-    """A run before its components are there: `first` is the point at which it begins, `warnings` are its manifest's."""
-
-    system: System
-    grid: Grid
-    recording: Recording
-    kind: Kind
-    first: int = 0
-    warnings: list[str] = field(default_factory=list)
 
 
 class Watched(Protocol):
@@ -46,18 +32,21 @@ class Hook:
     `end`, unless a component failed or ended the run, and `report` in any case.
     """
 
-    source: Source | None = None
-    """What gives inputs their values at every point, after `prepare`."""
-
     ends = False
     """Whether it may end the run by what it sees in a row."""
 
+    repeatable = False
+    """Whether the manifest knows all of it: then it takes part in isolated runs, and when a run is repeated."""
+
     def for_manifest(self) -> Mapping[str, Any]:
-        """Return what the manifest has to know to repeat it."""
+        """Return what the manifest has to know to repeat it; of several hooks with the same it has a list."""
         return {}
 
     def prepare(self, outline: Outline) -> None:
-        """See what is to be run, before any component is there; AdcsError if it cannot take part in it."""
+        """See what is to be run, before any component is there; AdcsError if it cannot take part in it.
+
+        It may append to the outline's `sources` what gives inputs their values, and to its `warnings`.
+        """
 
     def begin(self, simulation: Simulation, hooks: Sequence[Hook], watched: Watched) -> None:
         """See the run when its components are initialised; AdcsError if it cannot take part in it."""
@@ -88,3 +77,8 @@ class Hook:
     def report(self) -> Mapping[str, Any]:
         """Return what the manifest is to have of it."""
         return {}
+
+
+def listed(given: Any) -> list[Any]:
+    """Return what a manifest has of the hooks of a kind as a list, also of a single one."""
+    return list(given) if isinstance(given, list) else [given]

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import inspect
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,9 @@ from orchestration.results.comparison import NAMES, deviation
 from orchestration.results.manifest import FORMAT
 from orchestration.results.result import Result, RunFailed
 from orchestration.running.driver import Progress
+from orchestration.running.hooks.changes import Changes
+from orchestration.running.hooks.saves import Saves
+from orchestration.running.parts import parts
 from orchestration.running.run import run
 from orchestration.system import System
 
@@ -61,7 +63,8 @@ def rerun(
         with temporary_folder("rerun") as folder:
             settings, left_out = _settings(old, beside, folder)
             try:
-                result = run(_system(old, beside), **settings, timeout=timeout, progress=progress, isolated=isolated)
+                settings["method"] = replace(settings["method"], timeout=timeout)
+                result = run(_system(old, beside), **settings, progress=progress, isolated=isolated)
             except RunFailed as error:
                 result = error.result
             except AdcsError as error:
@@ -106,22 +109,23 @@ def _refuse(old: Mapping[str, Any]) -> None:
 
 def _settings(old: Mapping[str, Any], beside: Path | None, folder: Path) -> tuple[dict[str, Any], list[str]]:
     """Return what `run` is asked for, and what has to be left out."""
-    known = inspect.signature(run).parameters
-    settings = {name: value for name, value in old["settings"].items() if name in known and name != "real_time"}
-    for name in old.get("files", {}):
-        settings[name] = _found(Path(old["files"][name]["path"]), beside, name)
+    files = {name: _found(Path(file["path"]), beside, name) for name, file in old.get("files", {}).items()}
+    settings = dict(old["settings"])
+    if "resume" in files:
+        settings["resume"] = files.pop("resume")
+    if files:
+        settings["inputs"] = list(files.values())
+    asked, unknown = parts(settings)
     commands = [command[:3] for command in old.get("commands", ())]
     if commands:
-        settings["changes"] = [*commands, *settings.get("changes", ())]
+        asked["hooks"].append(Changes(commands))
     if "checkpoint" in old:
-        settings["checkpoint"] = folder / "checkpoint.npz"
-    left_out = [
-        f"{name} = {shown(repr(old['settings'][name]))} is left out" for name in old["settings"] if name not in known
-    ]
+        asked["hooks"].append(Saves(folder / "checkpoint.npz"))
+    left_out = [f"{name} = {shown(repr(value))} is left out" for name, value in unknown.items()]
     watchers = old.get("watchers", ())
     if len(watchers) > any(name in old for name in ("commands", "mavlink", "tlog")):  # ground tools are one of them
         left_out.append(f"{', '.join(watchers)} took part in the run, and what that did is not in the manifest")
-    return settings, left_out
+    return asked, left_out
 
 
 def _found(path: Path, beside: Path | None, what: str) -> Path:

@@ -12,6 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from fmus.errors import AdcsError
+from orchestration import expected
 from orchestration.engine import Engine
 from orchestration.engine.overstepping import overstepped
 from orchestration.engine.python_loop import PythonLoop
@@ -20,7 +21,7 @@ from orchestration.fmu.file import FmiVersion, Port
 from orchestration.grid import SNAP, Grid, whole_steps
 from orchestration.instances.instance import CallFailed, EndRequested, Instance, failing_at
 from orchestration.plan.changing import checked_change
-from orchestration.plan.loops import Loops, LoopSolver
+from orchestration.plan.loops import LoopMethod, Loops, LoopSolver, loop_solver
 from orchestration.plan.lowering import Floats, make_plan
 from orchestration.plan.opening import initialised
 from orchestration.plan.outside import Source
@@ -30,6 +31,7 @@ from orchestration.process.where import Where
 from orchestration.results.result import Recording
 from orchestration.running import arguments
 from orchestration.system import Connection, System, Value
+from orchestration.times import Seconds
 
 Stepping = Literal["compiled", "python"]
 
@@ -65,17 +67,17 @@ class Session:
         self,
         system: System,
         *,
-        step: float,
-        start_time: float = 0.0,
+        step: Seconds,
+        start_time: Seconds = 0.0,
         steps: int = ENDLESS,
-        stop_time: float | None = None,
+        stop_time: Seconds | None = None,
         fmi_version: FmiVersion = "2.0",
         stepping: Stepping = "compiled",
         record: Sequence[str] | None = None,
         record_every: int = 1,
         external: Sequence[str] = (),
         may_go_on: bool = False,
-        solver: LoopSolver | None = None,
+        loops: LoopSolver | LoopMethod | None = None,
         where: Where | None = None,
         guard: Guard | None = None,
     ) -> None:
@@ -84,7 +86,10 @@ class Session:
         `stop_time` is the time of the last point, if the step to it is shorter than the others. The FMUs are told a
         stop time that is beyond it by roundings, unless it `may_go_on` after it.
         """
-        arguments.check(Session, locals(), solver=arguments.loop_solver)
+        arguments.check(Session, locals())
+        step, start_time = expected.seconds("step", step), expected.seconds("start_time", start_time)
+        stop_time = None if stop_time is None else expected.seconds("stop_time", stop_time)
+        solver = loop_solver(loops)
         choice("fmi_version", fmi_version, FmiVersion)
         choice("stepping", stepping, Stepping)
         if not (isfinite(step) and step > 0 and isfinite(start_time)):
@@ -99,6 +104,8 @@ class Session:
         self.recording = Recording(system, record)
         self.ended: EndRequested | None = None
         """The wish of a component to end the simulation, once it has come about: nothing comes after that."""
+        self.states: list[Floats] = []
+        self.state_names: list[str] = []
         self.notes: list[str] = []
         """What there is to be told of the run, besides what its components say."""
         self._shortened = False
@@ -417,9 +424,9 @@ def rigid(system: System, version: FmiVersion) -> str | None:
 def steps(
     system: System,
     *,
-    stop_time: float | None = None,
-    step: float | None = None,
-    start_time: float | None = None,
+    stop_time: Seconds | None = None,
+    step: Seconds | None = None,
+    start_time: Seconds | None = None,
     fmi_version: FmiVersion = "2.0",
     record: Sequence[str] | None = None,
 ) -> Iterator[tuple[float, Mapping[str, Floats]]]:
@@ -430,8 +437,7 @@ def steps(
     """
     arguments.check(steps, locals())
     choice("fmi_version", fmi_version, FmiVersion)
-    start_time, stop_time, step = system.run_times(start_time, stop_time, step)
-    grid = Grid.make(start_time, stop_time, step, partial(rigid, system, fmi_version))
-    times: dict[str, Any] = {"step": step, "start_time": grid.start, "steps": grid.steps, "stop_time": grid.stop}
+    grid = Grid.make(*system.run_times(start_time, stop_time, step), partial(rigid, system, fmi_version))
+    times: dict[str, Any] = {"step": grid.step, "start_time": grid.start, "steps": grid.steps, "stop_time": grid.stop}
     with Session(system, **times, fmi_version=fmi_version, record=record) as simulation:
         yield from simulation

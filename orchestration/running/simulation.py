@@ -22,6 +22,13 @@ class Simulation(Protocol):
     last: int
     notes: list[str]
     """What there is to be told of the run, besides what its components say."""
+    states: list[Floats]
+    """The continuous states of each row, `state_names`, where they are known."""
+
+    @property
+    def state_names(self) -> list[str]:
+        """Their names."""
+        ...
 
     @property
     def instances(self) -> Mapping[str, Instance]:

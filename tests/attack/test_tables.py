@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import adcs
 from adcs import System, run
 from adcs.catalogue import SYSTEMS
 from fmus import catalog
@@ -110,7 +111,7 @@ def test_maps_of_signals(place: Path, content: bytes) -> None:
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     path = tmp_path_factory.mktemp("saved") / "state.npz"
-    run(SYSTEMS["full-state-pd"].build(), stop_time=0.1, step=0.01, checkpoint=path)
+    run(SYSTEMS["full-state-pd"].build(), stop_time=0.1, step=0.01, hooks=[adcs.checkpoint(path)])
     return path.read_bytes()
 
 

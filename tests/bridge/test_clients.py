@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+import adcs
 from adcs import run
 from adcs.catalogue import SYSTEMS
 from adcs.cli.ground_tools import attached
@@ -71,7 +72,7 @@ def flown(tool, port, name="full-state-pd", allow="arm,param,attitude", **more):
     options = GroundTools(to=(f"udpout:127.0.0.1:{port}",), allow=allow, **more)
     with attached(system, options, step=0.01) as watcher:
         try:
-            result = run(system, stop_time=60.0, step=0.01, real_time=1.0, watchers=[watcher, Over(tool)])
+            result = run(system, stop_time=60.0, step=0.01, hooks=[adcs.pace(1.0), watcher, Over(tool)])
         except RunInterrupted as error:
             result = error.result
     return result

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
+import adcs
 from adcs import AdcsError, RunFailed, Session, run
 from adcs.catalogue import SYSTEMS
 from hil_bridge.ground import attach
@@ -54,7 +55,7 @@ def test_the_forecast_is_what_happens():
             simulation.move_on()
         refused = Forecast(simulation).refused([("controller.k_v", 5000.0)])
     with pytest.raises(RunFailed) as failed:
-        run(ENTRY.build(), stop_time=30.0, step=0.01, changes=[(1.0, "controller.k_v", 5000.0)])
+        run(ENTRY.build(), stop_time=30.0, step=0.01, hooks=[adcs.at(1.0, {"controller.k_v": 5000.0})])
     assert str(failed.value).startswith(str(refused))
 
 

@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
-from adcs import AdcsError, Hook, RunInterrupted, rerun, run
+import adcs
+from adcs import AdcsError, Hook, ModelExchange, RunInterrupted, Save, rerun, run
 from adcs.catalogue import SYSTEMS
 from adcs.cli.ground_tools import attached
 from adcs.cli.options import GroundTools
@@ -24,6 +25,7 @@ from hil_bridge.ground.mapping import ROLES, find
 from hil_bridge.ground.parameters import parameters
 from hil_bridge.ground.settings import Settings
 from hil_bridge.ground.trial import Trial
+from orchestration.running.hooks.changes import Changes
 
 from .live import HEARTBEAT, Over, Udp, until
 
@@ -82,7 +84,7 @@ def flown(work, stop_time=20.0, speed=10.0, allow="arm,param,attitude", entry=T5
     with attached(system, options, step=0.01, speed=speed) as watcher:
         watchers = [watcher, Over(pilot)] if stop_time > 1000 else [watcher]
         try:
-            result = run(system, stop_time=stop_time, step=0.01, real_time=speed, watchers=watchers)
+            result = run(system, stop_time=stop_time, step=0.01, hooks=[adcs.pace(speed), *watchers])
         except RunInterrupted as error:
             result = error.result
     pilot.join(5.0)
@@ -141,7 +143,7 @@ def test_commands_arrive_are_recorded_and_can_be_repeated():
     again = T5.build()
     make_commandable(again, find(again), ["arm", "param", "attitude"])
     changes = [(t, name, value) for t, name, value, _ in commands]
-    repeated = run(again, stop_time=20.0, step=0.01, changes=changes, record=list(result.ports))
+    repeated = run(again, stop_time=20.0, step=0.01, hooks=[Changes(changes)], save=Save(list(result.ports)))
     assert np.array_equal(repeated.data, result.data)
 
 
@@ -149,7 +151,7 @@ def test_being_commandable_changes_nothing():
     plain, prepared = T5.build(), T5.build()
     make_commandable(prepared, find(prepared), ["arm", "attitude"])
     one = run(plain, stop_time=5.0, step=0.01)
-    other = run(prepared, stop_time=5.0, step=0.01, record=list(one.ports))
+    other = run(prepared, stop_time=5.0, step=0.01, save=Save(list(one.ports)))
     assert np.array_equal(one.data, other.data)
 
 
@@ -190,7 +192,7 @@ def test_the_run_goes_on_when_the_bridge_is_killed():
                 if point == 299:
                     os.kill(watcher.pid, signal.SIGKILL)
 
-        result = run(system, stop_time=10.0, step=0.01, real_time=10.0, watchers=[Kill(), watcher])
+        result = run(system, stop_time=10.0, step=0.01, hooks=[adcs.pace(10.0), Kill(), watcher])
     plain = run(T5.build(), stop_time=10.0, step=0.01)
     assert np.array_equal(result.data, plain.data)
     assert result.manifest["outcome"]["status"] == "complete"
@@ -368,7 +370,7 @@ def test_a_watcher_may_not_be_given_to_model_exchange():
     system = T5.build()
     bridge = Bridge(system, find(system), Settings("x", (), 0.01))
     with pytest.raises(AdcsError, match=r"^mavlink: only co-simulation has it"):
-        run(system, stop_time=1.0, step=0.01, method="model-exchange", watchers=[bridge])
+        run(system, stop_time=1.0, step=0.01, method=ModelExchange(), hooks=[bridge])
 
 
 def test_settings_cross_to_another_process():

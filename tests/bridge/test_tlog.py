@@ -29,7 +29,7 @@ def flight(tmp_path_factory):
     path = tmp_path_factory.mktemp("tlog") / "flight.tlog"
     system = ENTRY.build()
     with attached(system, GroundTools(tlog=path), step=0.1, network=False) as watcher:
-        result = run(system, stop_time=60.0, step=0.1, watchers=[watcher])
+        result = run(system, stop_time=60.0, step=0.1, hooks=[watcher])
     return result, path
 
 
@@ -134,7 +134,7 @@ def test_target_acquired_is_said_once(tmp_path):
     path = tmp_path / "a.tlog"
     system = SYSTEMS["full-state-pd"].build()
     with attached(system, GroundTools(tlog=path), step=0.01, network=False) as watcher:
-        result = run(system, stop_time=80.0, step=0.01, watchers=[watcher])
+        result = run(system, stop_time=80.0, step=0.01, hooks=[watcher])
     texts = [m.text for m in messages(path, "STATUSTEXT")]
     acquired = [text for text in texts if text.startswith("Target acquired")]
     error = 2 * np.arccos(np.clip(np.abs(result["controller.q_BR"][:, 0]), 0, 1))
@@ -148,7 +148,7 @@ def test_a_full_disk_ends_the_log_and_not_the_run(capfd, network):
     system = SYSTEMS["full-state-pd"].build()
     options = GroundTools(to=("udpout:127.0.0.1:9",), tlog=Path("/dev/full"))
     with attached(system, options, step=0.01, network=network) as watcher:
-        result = run(system, stop_time=20.0, step=0.01, watchers=[watcher])
+        result = run(system, stop_time=20.0, step=0.01, hooks=[watcher])
     assert result.manifest["outcome"]["status"] == "complete"
     assert np.array_equal(result.data, run(SYSTEMS["full-state-pd"].build(), stop_time=20.0, step=0.01).data)
     said = capfd.readouterr().err.splitlines()

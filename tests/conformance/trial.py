@@ -10,7 +10,7 @@ from typing import Any
 import fmpy
 import numpy as np
 
-from adcs import AdcsError, System, run
+from adcs import AdcsError, CoSimulation, ModelExchange, System, run
 from orchestration.fmu.file import Fmu, Kind, Port, open_fmu
 from orchestration.system import NUMERIC
 
@@ -52,13 +52,14 @@ def trial(path: Path, kind: Kind) -> Trial | None:
         return None
     version = fmu.major_version
     start, stop, step = _experiment(model)
+    method = CoSimulation() if kind == "co-simulation" else ModelExchange(rtol=TOLERANCE, atol=TOLERANCE)
     try:
         system = System(path.stem)
         system.add("it", path)
         inputs = _inputs(fmu)
         for name, value in inputs.items():
             system.set(f"it.{name}", value)
-        result = run(system, start_time=start, stop_time=stop, step=step, method=kind, rtol=TOLERANCE, atol=TOLERANCE)
+        result = run(system, start_time=start, stop_time=stop, step=step, method=method)
     except AdcsError as error:
         return Trial(path.stem, version, kind, 0, inf, f"here: {error}")
     names = [n for n, p in fmu.ports.items() if p.causality == "output" and p.type.startswith(NUMERIC)]

@@ -17,7 +17,11 @@ reveal_type(system)
 reveal_type(adcs.linearize(system).eigenvalues)
 with adcs.Session(system, step=0.01) as session:
     reveal_type(session.time)
-adcs.run(system, stop_time="1", step=0.01)
+adcs.run(system, stop_time=[1], step=0.01)
+reveal_type(adcs.at("20s", {"controller.k_p": 3}))
+reveal_type(adcs.until("time > 1"))
+adcs.run(system, method=adcs.ModelExchange("CVode", rtol=1e-9), save=adcs.Save(every=2), hooks=[adcs.pace(1)])
+adcs.run(system, method="model-exchange")
 adcs.nothing
 """
 SEEN = [
@@ -26,7 +30,10 @@ SEEN = [
     'note: Revealed type is "orchestration.system.System"',
     'note: Revealed type is "numpy.ndarray[',
     'note: Revealed type is "float"',
-    'error: Argument "stop_time" has incompatible type "str"; expected "float | None"',
+    'error: Argument "stop_time" has incompatible type "list[int]"; expected "float | str | None"',
+    'note: Revealed type is "orchestration.running.hooks.changes.Changes"',
+    'note: Revealed type is "orchestration.running.hooks.until.Until"',
+    'error: Argument "method" has incompatible type "str"; expected "Method"',
     'error: Module has no attribute "nothing"',
 ]
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from adcs import AdcsError, CoupledModel, System, run
+from orchestration.running.method import method_of
 from tests.adaptor import test_dependencies as dependencies
 
 from . import adaptive_reference as ref
@@ -360,7 +361,12 @@ def test_an_empty_tank_is_reported_and_gives_no_torque() -> None:
     system = System("tank")
     system.add("plant", "FuelLossBody", {**start, "J_1_B": 0.1 * np.eye(3)})
     for method in ("co-simulation", "model-exchange"):
-        result = run(system, stop_time=20.0, step=0.01, method=method)
+        result = run(
+            system,
+            stop_time=20.0,
+            step=0.01,
+            method=method_of(method),
+        )
         impulse, left = result["plant.torque_impulse"], result["plant.fuel_left"]
         assert np.isfinite(result["plant.omega_BN_B"]).all()
         np.testing.assert_allclose(left[:1000], 10.0 - result.time[:1000], atol=1e-9)

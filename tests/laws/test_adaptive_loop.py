@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from adcs import CoupledModel, System, run
+from adcs import CoupledModel, ModelExchange, Save, System, run
 from adcs.library.thakur.adaptive import systems as systems
 
 from .adaptive_reference import (
@@ -52,7 +52,7 @@ PROJECTED = {  # bounds that the appendage's estimates reach
     "controller.sigma_bound": 0.8,
     "controller.sigma_margin": 0.8,
 }
-TIGHT = {"rtol": 1e-12, "atol": 1e-13}
+USUAL, TIGHT = ModelExchange(), ModelExchange(rtol=1e-12, atol=1e-13)
 
 
 def built(name: str, changes: dict[str, Any] | None = None) -> System:
@@ -89,9 +89,11 @@ def to_comparison(names: list[str]) -> Callable[[Array], Array]:
 _ESTIMATES = ("theta_est", "omega_f", "W_f")
 
 
-def along(system: System, stop: float, step: float, **solver: Any) -> tuple[Array, Array, Array, list[str]]:
+def along(
+    system: System, stop: float, step: float, method: ModelExchange = USUAL
+) -> tuple[Array, Array, Array, list[str]]:
     """Times, coupled states and their derivatives along the components' own trajectory, and the states' names."""
-    result = run(system, stop_time=stop, step=step, method="model-exchange", record=["plant.q_BN"], **solver)
+    result = run(system, stop_time=stop, step=step, save=Save(["plant.q_BN"]), method=method)
     with CoupledModel(system) as model:
         rates = [model.rhs(t, x) for t, x in zip(result.time, result.states, strict=True)]
         return result.time, result.states, np.array(rates), model.state_names
@@ -112,7 +114,7 @@ def test_coupled_components_follow_the_recomputed_loop(name: str, stop: float, c
     loop = LOOPS[name]
     if changes:
         loop = replace(loop, theta_law=Adaptation(60.0, 33.0, 3.0), sigma_law=Adaptation(200.0, 0.8, 0.8))
-    times, states, _, names = along(built(name, changes), stop, stop / 4, **TIGHT)
+    times, states, _, names = along(built(name, changes), stop, stop / 4, TIGHT)
     expected = solve(loop.rates, loop.start, times)
     translate = to_loop(names, SIGMA[name])
     for t, x, y in zip(times, states, expected, strict=True):
@@ -123,17 +125,17 @@ def test_coupled_components_follow_the_recomputed_loop(name: str, stop: float, c
 
 def test_comparison_follows_the_recomputed_loop() -> None:
     system = built("comparison_baseline", {"controller.gamma": 100.0, "controller.theta_est": LOOPS["fuel"].theta_0})
-    times, states, _, names = along(system, 4.0, 1.0, **TIGHT)
+    times, states, _, names = along(system, 4.0, 1.0, TIGHT)
     loop = ComparisonLoop()
     expected = solve(loop.rates, loop.start, times)
     np.testing.assert_allclose([to_comparison(names)(x) for x in states], expected, rtol=0, atol=1e-8)
 
 
 def residuals(
-    name: str, loop: AdaptiveLoop, stop: float, changes: dict[str, Any], **solver: Any
+    name: str, loop: AdaptiveLoop, stop: float, changes: dict[str, Any], method: ModelExchange = USUAL
 ) -> tuple[Array, Array]:
     """dV/dt by the components' derivatives less -k_v |omega_e|^2 - beta |q_ev|^2, and what the projection explains."""
-    times, states, rates, names = along(built(name, changes), stop, stop / 80, **solver)
+    times, states, rates, names = along(built(name, changes), stop, stop / 80, method)
     translate, found, explained = to_loop(names, SIGMA[name]), [], []
     for t, x, x_dot in zip(times, states, rates, strict=True):
         plain, extra = loop.lyapunov_rate(t, translate(x))
@@ -157,7 +159,7 @@ def test_lyapunov_identity(name: str, stop: float) -> None:
 @pytest.mark.parametrize(("name", "stop"), [("fuel", 40.0), ("fuel_full", 20.0)])
 def test_lyapunov_inequality_with_projection(name: str, stop: float) -> None:
     """V' is at most that, and exactly so by what (3.32) says of the projection, which does act."""
-    found, explained = residuals(name, LOOPS[name], stop, {}, solver="CVode")
+    found, explained = residuals(name, LOOPS[name], stop, {}, ModelExchange("CVode"))
     assert np.abs(found - explained).max() < 1e-8
     assert found.max() < 1e-8
     assert found.min() < -1e-3
@@ -175,7 +177,7 @@ def test_lyapunov_inequality_with_projection_of_the_masses() -> None:
 )
 def test_estimates_stay_in_their_sets(name: str, radii: dict[str, float]) -> None:
     """(3.28): the bound is approached closely and not passed."""
-    result = run(built(name), stop_time=30.0, step=0.01, method="model-exchange", solver="CVode")
+    result = run(built(name), stop_time=30.0, step=0.01, method=ModelExchange("CVode"))
     for estimate, radius in radii.items():
         largest = np.linalg.norm(result[f"controller.{estimate}"], axis=1).max()
         assert largest < radius * (1 + 1e-9)
@@ -214,7 +216,7 @@ def visited() -> dict[str, tuple[Array, Array]]:
     """States that the loops pass through, half of them turned at random: the identity holds at any state."""
     found, rng = {}, np.random.default_rng(5)
     for name in ("appendage", "fuel"):
-        times, states, _, names = along(built(name), 12.0, 0.5, solver="CVode")
+        times, states, _, names = along(built(name), 12.0, 0.5, ModelExchange("CVode"))
         translate = to_loop(names, SIGMA[name])
         rows = np.array([translate(x) for x in states])
         turned = rng.normal(size=(len(rows), 4))

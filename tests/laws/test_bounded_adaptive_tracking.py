@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from adcs import AdcsError, CoupledModel, System, run
+from adcs import AdcsError, CoupledModel, ModelExchange, System, run
 from adcs.library.deruiter import systems
 from adcs.library.deruiter.settings import NOMINAL_INERTIA, Choices
 from orchestration.instances.instance import CallFailed
@@ -339,7 +339,7 @@ def test_coupled_model_exchange_follows_the_recomputed_loop(name: str) -> None:
     times = np.linspace(0, stop, 21)
     tolerances = {"rtol": 1e-11, "atol": 1e-13}
     expected = recomputed(name).run(times, **tolerances)
-    result = run(SYSTEMS[name][0](), stop_time=stop, step=stop / 20, method="model-exchange", **tolerances)  # type: ignore[arg-type]
+    result = run(SYSTEMS[name][0](), stop_time=stop, step=stop / 20, method=ModelExchange(**tolerances))
     for variable, signal in SIGNALS.items():
         deviation = np.abs(result[variable] - expected[signal]).max()
         assert deviation < 1e-8 * max(1e-2, np.abs(expected[signal]).max()), f"{variable}: {deviation:.1e}"

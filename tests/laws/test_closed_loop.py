@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from adcs import CoupledModel, System, run
+from adcs import CoupledModel, ModelExchange, System, run
 from adcs.catalogue import SYSTEMS
+from orchestration.running.method import method_of
 
 from .reference import Array, Loop, rate_along
 
@@ -40,8 +41,8 @@ def test_coupled_model_exchange_follows_the_recomputed_loop(
 ) -> None:
     expected = runs[NAMES[name]]
     system = SYSTEMS[name].build()
-    tolerances = {"rtol": 1e-12, "atol": 1e-13}
-    result = run(system, stop_time=100.0, step=0.1, method="model-exchange", fmi_version=fmi_version, **tolerances)
+    tolerances = {"method": ModelExchange(rtol=1e-12, atol=1e-13)}
+    result = run(system, stop_time=100.0, step=0.1, fmi_version=fmi_version, **tolerances)
     np.testing.assert_allclose(result.time, expected["time"], rtol=0, atol=1e-13)
     signals = {**SIGNALS, **(OBSERVER_SIGNALS if NAMES[name] else {})}
     if NAMES[name]:
@@ -137,7 +138,12 @@ def test_noise_is_drawn_alike_by_both_methods_and_held_between_redraws() -> None
         system = SYSTEMS["observer-pd"].build()
         system.set("tracker.half_angle", half_angle)
         system.set("tracker.redraw_period", 0.1)
-        result = run(system, stop_time=2.0, step=0.01, method=method)
+        result = run(
+            system,
+            stop_time=2.0,
+            step=0.01,
+            method=method_of(method),
+        )
         true, measured = result["plant.q_BN"], result["tracker.q_BN_meas"]
         np.testing.assert_array_equal(measured[:, 0], true[:, 0])
         tilt = np.sum((measured - true) ** 2, axis=1) / np.sum(true[:, 1:] ** 2, axis=1) / 2  # 1 - cos

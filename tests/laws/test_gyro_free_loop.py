@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from adcs import CoupledModel, run
+from adcs import CoSimulation, CoupledModel, ModelExchange, Save, run
 from adcs.catalogue import SYSTEMS
 from adcs.library.thakur.gyro_free.level import printed_level, start_value, sufficient_level
 from adcs.library.thakur.gyro_free.settings import Start
@@ -26,7 +26,7 @@ from .reference import Array, rate_along, rotation
 NAMES = {"gyro-free": False, "gyro-free-full-state": True}
 END = 40.0  # s, after which the angle has fallen from 32 to 2 deg
 TIMES = np.arange(0, END + 0.5, 1.0)
-EXACT: dict[str, Any] = {"method": "model-exchange", "rtol": 1e-12, "atol": 1e-14}
+EXACT: dict[str, Any] = {"method": ModelExchange(rtol=1e-12, atol=1e-14)}
 
 
 @pytest.fixture(scope="module")
@@ -129,7 +129,7 @@ def test_the_printed_start_condition_is_not_sufficient() -> None:
         start = Start(tuple(q), (0.0, 0.0, 0.0))
         assert start_value(start) == pytest.approx(s.gains.k_p * (3 - eigenvalue), rel=1e-12)
         assert start_value(start) < printed_level()
-        result = run(gyro_free(start), stop_time=30.0, step=1.0, method="model-exchange")
+        result = run(gyro_free(start), stop_time=30.0, step=1.0, method=ModelExchange())
         assert np.abs(result["controller.torque_B"]).max() < 1e-12
         assert np.abs(result["plant.q_BN"] - q).max() < 1e-9
         error = rotation(s.q_r).inv() * rotation(result["plant.q_BN"][-1])
@@ -150,7 +150,7 @@ def test_below_the_corrected_level_the_body_comes_to_the_attitude_wanted(part: f
     q = (rotation(s.q_r) * Rotation.from_rotvec(angle * axis)).as_quat(scalar_first=True)
     start = Start(tuple(q), (0.0, 0.0, 0.0))
     assert start_value(start) == pytest.approx(part * sufficient_level(), rel=1e-9)
-    result = run(gyro_free(start), stop_time=500.0, step=5.0, method="model-exchange", rtol=1e-8, atol=1e-10)
+    result = run(gyro_free(start), stop_time=500.0, step=5.0, method=ModelExchange(rtol=1e-8, atol=1e-10))
     assert 1 - abs(result["plant.q_BN"][-1] @ s.q_r) < 1e-8
     assert np.abs(result["plant.omega_BN_B"][-1]).max() < 1e-5
 
@@ -171,10 +171,10 @@ def test_a_filter_at_zero_asks_for_much_more_torque() -> None:
 @pytest.mark.parametrize("method", ["model-exchange", "co-simulation"])
 def test_quest_in_the_loop_changes_nothing(method: str) -> None:
     """Through an attitude whose scalar part falls to -0.98: without continuity of the sign it would."""
-    settings: dict[str, Any] = {"stop_time": 100.0, "step": 0.05, "method": method}
+    settings: dict[str, Any] = {"stop_time": 100.0, "step": 0.05, "method": CoSimulation()}
     names = ["plant.q_BN", "plant.omega_BN_B", "observer.omega_EN_E", "controller.torque_B"]
-    with_quest = run(quest_observer_pd(), **settings, record=[*names, "quest.q_BN_est"])
-    direct = run(observer_pd(), **settings, record=names)
+    with_quest = run(quest_observer_pd(), **settings, save=Save([*names, "quest.q_BN_est"]))
+    direct = run(observer_pd(), **settings, save=Save(names))
     assert direct["plant.q_BN"][:, 0].min() < -0.97
     for name in names:
         assert np.abs(with_quest[name] - direct[name]).max() < 1e-9, name

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from adcs import AdcsError, CoupledModel, System, run
+from adcs import AdcsError, CoupledModel, ModelExchange, System, run
 from adcs.library.six_dof import systems
 from adcs.library.six_dof.settings import Start
 from orchestration.instances.instance import CallFailed
@@ -212,8 +212,8 @@ def expected() -> Array:
 @pytest.mark.parametrize("fmi_version", ["2.0", "3.0"])
 def test_coupled_loop_follows_the_recomputed_error_dynamics(expected: Array, fmi_version: Any) -> None:
     """To 1e-8 of the sizes of the errors at the start: 27 m, 12 N; attitudes and rates (0.1 rad/s) absolutely."""
-    tight: dict[str, Any] = {"rtol": 1e-11, "atol": 1e-10, "fmi_version": fmi_version}
-    result = run(systems.six_dof(), stop_time=STOP, step=4.0, method="model-exchange", **tight)
+    tight: dict[str, Any] = {"fmi_version": fmi_version, "method": ModelExchange(rtol=1e-11, atol=1e-10)}
+    result = run(systems.six_dof(), stop_time=STOP, step=4.0, **tight)
     e_R, q_e, omega = expected[:, :3], expected[:, 6:10], expected[:, 10:13]
     assert np.abs(result["controller.r_RB_B"] - e_R).max() < 1e-8 * 27
     assert np.abs(result["controller.q_BR"] - q_e).max() < 1e-8

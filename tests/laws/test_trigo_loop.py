@@ -7,7 +7,7 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 
-from adcs import AdcsError, Result, RunFailed, System, read_ssp, run, write_ssp
+from adcs import AdcsError, CoSimulation, Result, RunFailed, System, read_ssp, run, write_ssp
 from adcs.library.trigo import settings
 from adcs.library.trigo.settings import AS_MADE, AS_PRINTED, Controller, Scenario
 from adcs.library.trigo.systems import CATALOG, ESTIMATE, build, exchange_step, stride
@@ -138,7 +138,7 @@ def test_runs_at_5_hertz_start_as_theirs_did() -> None:
 def test_python_stepping_and_fmi_3_give_the_same_bits() -> None:
     mode = Mode("tf", "mirror")
     expected = fmus(mode, stop=5.0)
-    for options in ({"stepping": "python"}, {"fmi_version": "3.0"}):
+    for options in ({"method": CoSimulation(stepping="python")}, {"fmi_version": "3.0"}):
         again = fmus(mode, stop=5.0, **options)
         assert again.names == expected.names
         for name in expected.names:

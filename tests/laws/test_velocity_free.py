@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 from scipy.stats import kstest
 
-from adcs import CoupledModel, System, run
+from adcs import CoupledModel, ModelExchange, Save, System, run
 from adcs.library.velocity_free import systems
 from adcs.library.velocity_free.settings import DRAG_AND_OBLATENESS, ORBIT, Uncertainty
 from orchestration.instances.instance import CallFailed
@@ -246,8 +246,8 @@ def runs() -> dict[bool, Array]:
 def test_coupled_loop_follows_the_recomputed_one(runs: dict[bool, Array], tracking: bool, fmi_version: Any) -> None:
     """All states to 1e-8, absolutely; they are of the size 0.1 to 1."""
     system = BUILDERS[tracking]()
-    tight: dict[str, Any] = {"rtol": 1e-12, "atol": 1e-13, "fmi_version": fmi_version}
-    result = run(system, stop_time=STOP, step=0.1, method="model-exchange", **tight)
+    tight: dict[str, Any] = {"fmi_version": fmi_version, "method": ModelExchange(rtol=1e-12, atol=1e-13)}
+    result = run(system, stop_time=STOP, step=0.1, **tight)
     names = ("plant.q_BN", "plant.omega_BN_B", "guidance.q_RN", "filter.sigma_BR")
     ours = np.concatenate([result[name] for name in names], axis=1)
     assert np.abs(ours - runs[tracking][:, :15]).max() < 1e-8
@@ -360,7 +360,7 @@ def late_rates(step: float, stop: float) -> Array:
 
 
 def test_an_exchange_of_100_ms_is_stable_without_delay_and_diverges_with_one_step_of_it() -> None:
-    result = run(systems.stabilisation(), stop_time=40.0, step=0.1, record=["plant.omega_BN_B"])
+    result = run(systems.stabilisation(), stop_time=40.0, step=0.1, save=Save(["plant.omega_BN_B"]))
     rate = np.linalg.norm(result["plant.omega_BN_B"], axis=1)
     assert rate[-1] < 0.01 * rate[0]
     late = late_rates(0.1, 40.0)
@@ -369,7 +369,7 @@ def test_an_exchange_of_100_ms_is_stable_without_delay_and_diverges_with_one_ste
 
 
 def test_a_hold_of_a_quarter_of_a_second_is_too_long_even_without_delay() -> None:
-    result = run(systems.stabilisation(), stop_time=60.0, step=0.25, record=["plant.omega_BN_B"])
+    result = run(systems.stabilisation(), stop_time=60.0, step=0.25, save=Save(["plant.omega_BN_B"]))
     assert np.linalg.norm(result["plant.omega_BN_B"][-1]) > 3 * np.linalg.norm(result["plant.omega_BN_B"][0])
 
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from adcs import AdcsError, System, run
+import adcs
+from adcs import AdcsError, CoSimulation, Save, System, run
 from adcs.cli.words import assign
+from orchestration.running.hooks.changes import Changes
 from orchestration.single import single
 
 TIMES = np.array([0.0, 0.1, 0.2])
@@ -42,13 +44,13 @@ def chain(names, ramp, into="u", out="y", last="u"):
 @pytest.mark.parametrize("stepping", ["compiled", "python"])
 @pytest.mark.parametrize(("into", "out", "last"), [("u", "y", "u"), ("uu", "y", "u"), ("u", "yy", "uu")])
 def test_what_goes_through_another_name_is_there_at_once(names, ramp, stepping, into, out, last):
-    result = run(chain(names(), ramp, into, out, last), stop_time=0.2, step=0.1, stepping=stepping)
+    result = run(chain(names(), ramp, into, out, last), stop_time=0.2, step=0.1, method=CoSimulation(stepping=stepping))
     assert result["b.y"].tolist() == [[10 + t, 20 + t] for t in TIMES]
 
 
 @pytest.mark.parametrize("stepping", ["compiled", "python"])
 def test_an_output_of_fmi_2_that_is_an_input_follows_it(names, ramp, stepping):
-    result = run(chain(names("2.0"), ramp, out="uu"), stop_time=0.2, step=0.1, stepping=stepping)
+    result = run(chain(names("2.0"), ramp, out="uu"), stop_time=0.2, step=0.1, method=CoSimulation(stepping=stepping))
     expected = [[10 + t, 20 + t] for t in TIMES]
     assert result.names == ["a.y", "a.uu", "a.yy", "b.y", "b.uu", "b.yy", "ramp.y"]
     assert [result[name].tolist() for name in ("a.uu", "a.yy", "b.uu", "b.yy")] == [expected] * 4
@@ -101,7 +103,10 @@ def test_start_values_on_the_command_line(names):
 def test_changes_at_one_time(names):
     for second in ("names.u", "names.uu"):
         changes = [(0.1, "names.u", [1.0, 2.0]), (0.2 if second == "names.uu" else 0.1, second, [3.0, 4.0])]
-        assert run(single(names()), stop_time=0.2, step=0.1, changes=changes)["names.y"][-1].tolist() == [3.0, 4.0]
+        assert run(single(names()), stop_time=0.2, step=0.1, hooks=[Changes(changes)])["names.y"][-1].tolist() == [
+            3.0,
+            4.0,
+        ]
     with pytest.raises(
         AdcsError, match=r"^the changes of names\.u and names\.uu at one time are for two names of one v"
     ):
@@ -109,7 +114,7 @@ def test_changes_at_one_time(names):
             single(names()),
             stop_time=0.2,
             step=0.1,
-            changes=[(0.1, "names.u", [1.0, 2.0]), (0.1, "names.uu", [3.0, 4.0])],
+            hooks=[adcs.at(0.1, {"names.u": [1.0, 2.0]}), adcs.at(0.1, {"names.uu": [3.0, 4.0]})],
         )
 
 
@@ -133,10 +138,10 @@ def test_one_name_is_enough_for_an_input(names):
 
 
 def test_changes_on_the_way(names, ramp):
-    result = run(single(names()), stop_time=0.2, step=0.1, changes=[(0.1, "names.uu", [3.0, 4.0])])
+    result = run(single(names()), stop_time=0.2, step=0.1, hooks=[adcs.at(0.1, {"names.uu": [3.0, 4.0]})])
     assert result["names.yy"].tolist() == [[1.0, 2.0], [3.0, 4.0], [3.0, 4.0]]
     with pytest.raises(AdcsError, match=r"^b\.uu is connected to a\.y: it cannot be set during a run$"):
-        run(chain(names(), ramp), stop_time=0.2, step=0.1, changes=[(0.1, "b.uu", [3.0, 4.0])])
+        run(chain(names(), ramp), stop_time=0.2, step=0.1, hooks=[adcs.at(0.1, {"b.uu": [3.0, 4.0]})])
 
 
 def test_values_from_a_table(names, tmp_path):
@@ -144,12 +149,12 @@ def test_values_from_a_table(names, tmp_path):
     system = System("fed")
     system.add("a", names())
     table.write_text("time,a.uu[1],a.u[2]\n0,1,2\n0.2,3,4\n")
-    assert run(system, stop_time=0.2, step=0.2, inputs=table)["a.y"].tolist() == [[1.0, 2.0], [3.0, 4.0]]
+    assert run(system, stop_time=0.2, step=0.2, hooks=[adcs.inputs(table)])["a.y"].tolist() == [[1.0, 2.0], [3.0, 4.0]]
     table.write_text("time,a.u[1],a.u[2],a.uu[2]\n0,1,2,3\n")
     with pytest.raises(
         AdcsError, match=r"^a\.uu\[2\] and a\.u\[2\] are names of one variable: give its values from out"
     ):
-        run(system, stop_time=0.2, step=0.2, inputs=table)
+        run(system, stop_time=0.2, step=0.2, hooks=[adcs.inputs(table)])
 
 
 def test_a_variable_is_recorded_once_and_has_all_its_names(names, tmp_path):
@@ -157,7 +162,7 @@ def test_a_variable_is_recorded_once_and_has_all_its_names(names, tmp_path):
     assert result.names == ["names.y"]
     assert result["names.yy"].tolist() == result["names.y"].tolist() == [[1.0, 2.0]] * 2
     assert result.select(["names.yy"]).names == ["names.yy"]
-    wanted = run(single(names()), stop_time=0.1, step=0.1, record=["names.yy"])
+    wanted = run(single(names()), stop_time=0.1, step=0.1, save=Save(["names.yy"]))
     assert wanted["names.y"].tolist() == [[1.0, 2.0]] * 2
     result.write_csv(tmp_path / "result.csv")
     assert (tmp_path / "result.csv").read_text().startswith("time[s],names.y[1][-],names.y[2][-]\n")
@@ -169,7 +174,7 @@ def test_a_variable_is_recorded_once_and_has_all_its_names(names, tmp_path):
 @pytest.mark.parametrize("to_file", [False, True])
 def test_elements_and_a_selection_go_by_another_name(names, tmp_path, version, to_file):
     system = single(names(version))
-    result = run(system, stop_time=0.1, step=0.1, record=["names.y"], hdf5=tmp_path / "r.h5" if to_file else None)
+    result = run(system, stop_time=0.1, step=0.1, save=Save(["names.y"], to=tmp_path / "r.h5" if to_file else None))
     assert result["names.yy[2]"].tolist() == [2.0, 2.0]
     assert "names.yy[2]" in result and "names.yy[3]" not in result
     selected = result.select(["names.yy"])
@@ -179,5 +184,5 @@ def test_elements_and_a_selection_go_by_another_name(names, tmp_path, version, t
 
 def test_a_condition_on_another_name(names):
     changes = [(0.2, "names.u", [3.0, 4.0])]
-    result = run(single(names()), stop_time=1.0, step=0.1, changes=changes, until="max(names.yy) > 3.5")
+    result = run(single(names()), stop_time=1.0, step=0.1, hooks=[Changes(changes), adcs.until("max(names.yy) > 3.5")])
     assert len(result.time) == 3

@@ -3,10 +3,14 @@
 import numpy as np
 import pytest
 
+import adcs
 from adcs import (
     AdcsError,
+    CoSimulation,
     CoupledModel,
     LoopSolver,
+    ModelExchange,
+    Save,
     Session,
     System,
     build,
@@ -21,48 +25,72 @@ from adcs import (
 
 TIMES = {"stop_time": 1.0, "step": 0.1}
 WRONG = [
-    ({"record": "gain.y"}, "record = 'gain.y': expected a list, ['gain.y']"),
-    ({"record": [1]}, "record: 1 is no text: expected a list of texts"),
-    ({"record": iter(["gain.y"])}, "expected a list"),
     ({"step": "0.1"}, "step = '0.1': expected a number, 0.1 without quotes"),
     ({"step": [0.1]}, "step = [0.1]: expected a number"),
     ({"step": True}, "step = True: expected a number"),
     ({"start_time": 1j}, "start_time = 1j: expected a number"),
-    ({"stop_time": "ten"}, "stop_time = 'ten': expected a number"),
+    ({"stop_time": "ten"}, "stop_time: 'ten' is not a time, write 120s, 0.1s, 5ms, 2min or 1h"),
     ({"stop_time": 10**400}, "stop_time is beyond the range of numbers: expected one below 1e308"),
 ]
+RECORD = [
+    ({"record": "gain.y"}, "record = 'gain.y': expected a list, ['gain.y']"),
+    ({"record": [1]}, "record: 1 is no text: expected a list of texts"),
+    ({"record": iter(["gain.y"])}, "expected a list"),
+]
+METHODS = 'expected adcs.CoSimulation() or adcs.ModelExchange("DOP853")'
 OF_RUN = [
     ({"step": None}, "step: chain has none of its own, give it"),
     ({"stop_time": None}, "stop_time: chain has none of its own, give it"),
-    (
-        {"solve_loops": "newton"},
-        "solve_loops = 'newton': expected a LoopSolver, as adcs.LoopSolver(\"newton\")",
-    ),
-    ({"solve_loops": {"methd": "newton"}}, "solve_loops: 'methd' is unknown: use method, tolerance, max_iterations"),
-    ({"rtol": "1e-8"}, "rtol = '1e-8': expected a number, 1e-8 without quotes"),
-    ({"timeout": "1"}, "timeout = '1': expected a number, 1 without quotes"),
-    ({"until": 3.0}, "until = 3.0: expected a text"),
-    ({"hdf5": 3}, "hdf5 = 3: expected the name of a file"),
-    ({"inputs": {"gain.u": 1}}, "inputs = {'gain.u': 1}: expected the name of a file"),
-    ({"changes": (0.5, "gain.k", 2.0)}, "changes: 0.5 is no change: expected (time, name, value)"),
-    ({"changes": {"gain.k": 2.0}}, "changes = {'gain.k': 2.0}: expected a list"),
-    ({"changes": [("0.5", "gain.k", 2.0)]}, "changes: time = '0.5': expected a number, 0.5 without quotes"),
-    ({"changes": [("gain.k", 0.5, 2.0)]}, "changes: name = 0.5: expected a text"),
-    ({"watchers": print}, "expected a list"),
-    ({"watchers": [1]}, "watchers = 1: expected hooks, as adcs.Hook describes them"),
+    ({"method": "model-exchange"}, f"method = 'model-exchange': {METHODS}"),
+    ({"method": ModelExchange}, METHODS),
+    ({"method": None}, f"method = None: {METHODS}"),
+    ({"save": ["gain.y"]}, "save = ['gain.y']: expected adcs.Save([\"plant.q_BN\"])"),
+    ({"hooks": print}, "expected a list"),
+    ({"hooks": [1]}, "hooks = 1: expected hooks, as adcs.until(...), or what adcs.Hook describes"),
+    ({"hooks": adcs.until("time > 1")}, "expected a list"),
     ({"progress": "bar"}, "progress = 'bar': expected what can be called"),
-    ({"real_time": "1"}, "real_time = '1': expected a number, 1 without quotes"),
-    ({"adaptive": "1e-6"}, "adaptive = '1e-6': expected a number, 1e-6 without quotes"),
+]
+PARTS = [
+    (lambda: Save("gain.y"), "Save: names = 'gain.y': expected a list, ['gain.y']"),
+    (lambda: Save([1]), "Save: names: 1 is no text: expected a list of texts"),
+    (lambda: Save(iter(["gain.y"])), "expected a list"),
+    (lambda: Save(every="2"), "Save: every = '2': expected a whole number of steps from 1"),
+    (lambda: Save(every=0), "Save: every = 0: expected a whole number of steps from 1"),
+    (lambda: Save(to=3), "Save: to = 3: expected the name of a file"),
+    (lambda: CoSimulation(loops="euler"), "loop method 'euler' is unknown: use 'newton' or 'fixed-point'"),
+    (lambda: CoSimulation(loops=3), "loops = 3: expected 'newton' or 'fixed-point', or adcs.LoopSolver(...)"),
+    (lambda: CoSimulation(stepping="fast"), "stepping = 'fast' is unknown: use 'compiled' or 'python'"),
+    (lambda: CoSimulation(timeout="1"), "timeout = '1': expected a number, 1 without quotes"),
+    (lambda: CoSimulation(timeout=0), "timeout = 0.0: expected a positive number"),
+    (lambda: CoSimulation(adaptive="1e-6"), "adaptive = '1e-6': expected a number, 1e-6 without quotes"),
+    (lambda: ModelExchange("Euler"), "solver = 'Euler' is unknown: use 'DOP853' or 'CVode'"),
+    (lambda: ModelExchange(rtol="1e-8"), "rtol = '1e-8': expected a number, 1e-8 without quotes"),
+    (lambda: adcs.until(3.0), "until = 3.0: expected a text"),
+    (lambda: adcs.inputs({"gain.u": 1}), "inputs = {'gain.u': 1}: expected the name of a file"),
+    (
+        lambda: adcs.at("0.5", {"gain.k": 2.0}),
+        "at: time = '0.5': expected a number, 0.5 without quotes",
+    ),
+    (lambda: adcs.at(0.5, ("gain.k", 2.0)), "at: values = ('gain.k', 2.0): expected a dict, {name: value}"),
+    (lambda: adcs.at(0.5, {1: 2.0}), "at: values: 1 is no text: expected a list of texts"),
+    (lambda: adcs.pace("1"), "pace: speed = '1': expected a number, 1 without quotes"),
+    (lambda: adcs.checkpoint(3), "checkpoint = 3: expected the name of a file"),
+    (lambda: adcs.checkpoint("a", every="1"), "checkpoint: every = '1': expected a number, 1 without quotes"),
 ]
 OF_SESSION = [
     ({"step": None}, "step = None: expected a number"),
-    ({"solver": "newton"}, "solver = 'newton': expected a LoopSolver, as adcs.LoopSolver(\"newton\")"),
-    ({"solver": {"method": "newton"}}, 'expected a LoopSolver, as adcs.LoopSolver("newton")'),
+    ({"loops": "euler"}, "loop method 'euler' is unknown: use 'newton' or 'fixed-point'"),
+    ({"loops": {"method": "newton"}}, "expected 'newton' or 'fixed-point', or adcs.LoopSolver(...)"),
     ({"external": "gain.u"}, "external = 'gain.u': expected a list, ['gain.u']"),
     ({"steps": 2.5}, "steps = 2.5: expected a whole number of steps from 0"),
     ({"record_every": "2"}, "record_every = '2': expected a whole number of steps from 1"),
     ({"stepping": "fast"}, "stepping = 'fast' is unknown: use 'compiled' or 'python'"),
     ({"fmi_version": 2.0}, "fmi_version = 2.0 is unknown: use '2.0' or '3.0'"),
+]
+OLD = [
+    ({"until": "time > 1"}, "until: run() has no such argument any more: write hooks=[adcs.until(condition)]"),
+    ({"record": ["gain.y"]}, "record: run() has no such argument any more: write save=adcs.Save([names])"),
+    ({"timeout": 5.0}, "write method=adcs.CoSimulation(timeout=seconds)"),
 ]
 
 
@@ -74,19 +102,47 @@ def refusal(action) -> str:
 
 
 @pytest.mark.parametrize(("wrong", "said"), WRONG + OF_RUN, ids=lambda value: str(value)[:40])
-@pytest.mark.parametrize("method", ["co-simulation", "model-exchange"])
-def test_run(chain, method, wrong, said):
-    assert refusal(lambda: run(chain(), **TIMES | wrong, method=method)).endswith(said)
+def test_run(chain, wrong, said):
+    assert refusal(lambda: run(chain(), **TIMES | wrong)).endswith(said)
 
 
-@pytest.mark.parametrize(("wrong", "said"), WRONG, ids=lambda value: str(value)[:40])
+@pytest.mark.parametrize(("made", "said"), PARTS, ids=[said[:40] for _, said in PARTS])
+def test_parts_of_a_run(made, said):
+    assert refusal(made).endswith(said)
+
+
+@pytest.mark.parametrize(("old", "said"), OLD, ids=lambda value: str(value)[:40])
+def test_arguments_of_one_version_ago_are_told_what_stands_for_them(chain, old, said):
+    assert refusal(lambda: run(chain(), **TIMES | old)).endswith(said)
+
+
+def test_linearize_is_told_as_well(chain):
+    said = "rtol: linearize() has no such argument any more: write method=adcs.ModelExchange("
+    assert refusal(lambda: linearize(chain(), rtol=1e-8)).startswith(said)
+
+
+@pytest.mark.parametrize(("wrong", "said"), WRONG + RECORD, ids=lambda value: str(value)[:30])
 def test_steps(chain, wrong, said):
     assert refusal(lambda: next(steps(chain(), **TIMES | wrong))).endswith(said)
 
 
-@pytest.mark.parametrize(("wrong", "said"), WRONG + OF_SESSION, ids=lambda value: str(value)[:40])
+@pytest.mark.parametrize(("wrong", "said"), WRONG + RECORD + OF_SESSION, ids=lambda value: str(value)[:30])
 def test_session(chain, wrong, said):
     assert refusal(lambda: Session(chain(), **{"step": 0.1} | wrong)).endswith(said)
+
+
+def test_times_with_units(chain):
+    expected = run(chain(), start_time=0.5, stop_time=1.0, step=0.05)
+    assert run(chain(), start_time="500ms", stop_time="1s", step="50ms") == expected
+    times, values = zip(*steps(chain(), start_time="500ms", stop_time="1 s", step="5e4us"), strict=True)
+    assert list(times) == expected.time.tolist()
+    assert np.array_equal([v["gain.y"] for v in values], expected["gain.y"])
+    with Session(chain(), step="50ms", start_time="500ms") as session:
+        assert (session.step, session.time) == (0.05, 0.5)
+    later, same = (
+        adcs.run("observer-pd", **TIMES, hooks=[adcs.at(time, {"controller.k_p": 7.0})]) for time in ("500ms", 0.5)
+    )
+    assert later == same != adcs.run("observer-pd", **TIMES)
 
 
 def test_what_is_no_system():
@@ -101,8 +157,8 @@ def test_what_is_no_system():
 def test_numbers_of_numpy_are_numbers(chain):
     expected = run(chain(), stop_time=1.0, step=0.5)
     assert run(chain(), stop_time=np.int64(1), step=np.float32(0.5), start_time=np.array(0.0)) == expected
-    assert run(chain(), stop_time=1, step=0.5, record=("source.y",)) == expected.select(["source.y"])
-    assert run(chain(), stop_time=1, step=0.5, solve_loops={"method": "newton"}) == expected
+    assert run(chain(), stop_time=1, step=0.5, save=Save(("source.y",))) == expected.select(["source.y"])
+    assert run(chain(), stop_time=1, step=0.5, method=CoSimulation(loops="newton")) == expected
 
 
 @pytest.mark.parametrize("name", ["inputs", "outputs", "open_at"])

@@ -8,13 +8,13 @@ import event_fmus
 import numpy as np
 import pytest
 
-from adcs import AdcsError, RunFailed, System, run
+from adcs import AdcsError, ModelExchange, RunFailed, Save, System, run
 from orchestration.coupled import integrators, solution
 from orchestration.grid import Grid
 from orchestration.instances import stepping
 from orchestration.running.hooks.pace import Clock
 
-ME = {"method": "model-exchange"}
+ME = ModelExchange()
 
 
 def alone(fmu, start=None):
@@ -28,7 +28,7 @@ def test_rows_that_are_not_kept_take_no_memory(mock):
     system = alone(mock("ticker"))
     tracemalloc.start()
     try:
-        result = run(system, stop_time=2000.0, step=1e-3, record_every=1000, record=["c.count"])
+        result = run(system, stop_time=2000.0, step=1e-3, save=Save(["c.count"], every=1000))
         _, peak = tracemalloc.get_traced_memory()
         assert result.time.tolist() == list(range(2001))
         assert peak < 4e6
@@ -41,7 +41,7 @@ def test_rows_that_are_not_kept_take_no_memory(mock):
 
 def test_rows_that_fit_into_no_memory(mock):
     with pytest.raises(AdcsError, match=r"^1000000000000001 rows do not fit into memory: record not every step, or"):
-        run(alone(mock("ticker")), stop_time=1e12, step=1e-3, record=["c.count"])
+        run(alone(mock("ticker")), stop_time=1e12, step=1e-3, save=Save(["c.count"]))
 
 
 @pytest.mark.parametrize("solver", ["DOP853", "CVode"])
@@ -49,7 +49,12 @@ def test_a_row_that_takes_too_many_integrator_steps(mock, monkeypatch, solver):
     """A billion seconds between two rows, of an oscillator with a period of 6.3 s."""
     monkeypatch.setattr(integrators, "_MAX_STEPS", 500)
     with pytest.raises(RunFailed) as error:
-        run(alone(mock("oscillator"), {"u": 0.0}), stop_time=1e9, step=1e9, solver=solver, rtol=1e-6, **ME)
+        run(
+            alone(mock("oscillator"), {"u": 0.0}),
+            stop_time=1e9,
+            step=1e9,
+            method=ModelExchange(solver, rtol=1e-6),
+        )
     text = str(error.value)
     assert f"{solver} cannot go on from t = " in text
     assert "500 steps do not reach t = 1e+09 s, " in text
@@ -61,7 +66,7 @@ def test_a_row_that_takes_too_many_integrator_steps(mock, monkeypatch, solver):
 def test_a_row_with_too_many_events(tmp_path, monkeypatch, version):
     monkeypatch.setattr(solution, "_MOST_EVENTS", 50)
     with pytest.raises(RunFailed) as error:
-        run(alone(event_fmus.build("stair", tmp_path, version)), stop_time=1e6, step=1e6, **ME)
+        run(alone(event_fmus.build("stair", tmp_path, version)), stop_time=1e6, step=1e6, method=ME)
     assert str(error.value).startswith(
         "c failed at t = 50 s: 50 events lead from t = 0 only to 50 s, 1e+06 would be needed up to 1000000 s: choose"
     )
@@ -94,8 +99,7 @@ def test_a_start_far_away_of_one_equation(mock, solver):
             start_time=1e20,
             stop_time=1e20 + 2.0**20,
             step=2.0**20,
-            solver=solver,
-            **ME,
+            method=ModelExchange(solver),
         )
 
 

@@ -13,6 +13,7 @@ from adcs.catalogue import find_system
 from fmus.checks.behaviour import report
 from orchestration import checking
 from orchestration.fmu.file import open_fmu
+from orchestration.running.method import method_of
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +37,11 @@ def refusals(path: Path) -> list[str]:
                 entry = find_system(str(path))
                 times = {"start_time": entry.start_time, "stop_time": entry.stop_time, "step": entry.step}
                 try:
-                    run(entry.build(), **times, method=kind)
+                    run(
+                        entry.build(),
+                        **times,
+                        method=method_of(kind),
+                    )
                 except AdcsError as error:
                     said.append(str(error))
     except AdcsError as error:

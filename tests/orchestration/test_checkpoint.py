@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
-from adcs import AdcsError, LoopSolver, RunInterrupted, System, run
+import adcs
+from adcs import AdcsError, CoSimulation, LoopSolver, RunInterrupted, Save, System, run
 from adcs.catalogue import SYSTEMS
+from orchestration.running.parts import parts
 
 STEPPINGS = ["compiled", "python"]
 
@@ -19,14 +21,14 @@ def t5(**noise):
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_a_resumed_run_goes_on_to_the_last_bit(tmp_path, version, stepping):
-    common = {"step": 0.01, "fmi_version": version, "stepping": stepping}
+    common = {"step": 0.01, "fmi_version": version, "method": CoSimulation(stepping=stepping)}
     whole = run(t5(), stop_time=1.0, **common)
-    first = run(t5(), stop_time=0.37, checkpoint=tmp_path / "state", **common)
+    first = run(t5(), stop_time=0.37, hooks=[adcs.checkpoint(tmp_path / "state")], **common)
     rest = run(t5(), stop_time=1.0, resume=tmp_path / "state", **common)
     assert np.array_equal(first.data, whole.data[:38])
     assert np.array_equal(rest.data, whole.data[37:])
     assert np.array_equal(rest.time, whole.time[37:])
-    again = run(t5(), **rest.manifest["settings"])
+    again = run(t5(), **parts(rest.manifest["settings"])[0])
     assert np.array_equal(again.data, rest.data)
 
 
@@ -38,7 +40,7 @@ def test_a_run_that_is_interrupted_can_be_resumed(tmp_path):
     whole = run(t5(), stop_time=200, step=0.01)
     state = tmp_path / "state"
     with pytest.raises(RunInterrupted) as error:
-        run(t5(), stop_time=200, step=0.01, checkpoint=state, checkpoint_every=0.5, progress=interrupt)
+        run(t5(), stop_time=200, step=0.01, hooks=[adcs.checkpoint(state, every=0.5)], progress=interrupt)
     reached = len(error.value.result.time)
     rest = run(t5(), stop_time=200, step=0.01, resume=state)
     assert np.array_equal(error.value.result.data, whole.data[:reached])
@@ -48,7 +50,9 @@ def test_a_run_that_is_interrupted_can_be_resumed(tmp_path):
 
 def test_a_run_that_met_its_condition_is_resumed_after_it(tmp_path):
     state = tmp_path / "state"
-    ended = run(t5(), stop_time=5.0, step=0.01, checkpoint=state, until="plant.kinetic_energy > 0.1")
+    ended = run(
+        t5(), stop_time=5.0, step=0.01, hooks=[adcs.until("plant.kinetic_energy > 0.1"), adcs.checkpoint(state)]
+    )
     whole = run(t5(), stop_time=5.0, step=0.01)
     rest = run(t5(), stop_time=5.0, step=0.01, resume=state)
     assert 0 < ended.time[-1] < 5.0
@@ -63,14 +67,14 @@ def test_slow_components_are_saved_where_they_communicate(tmp_path):
 
     state = tmp_path / "state"
     whole = run(build(), stop_time=1.0, step=0.01)
-    run(build(), stop_time=0.36, step=0.01, checkpoint=state)
+    run(build(), stop_time=0.36, step=0.01, hooks=[adcs.checkpoint(state)])
     assert np.array_equal(run(build(), stop_time=1.0, step=0.01, resume=state).data, whole.data[36:])
 
 
 def test_decimation_keeps_its_rows(tmp_path):
-    whole = run(t5(), stop_time=1.0, step=0.01, record_every=7)
-    run(t5(), stop_time=0.3, step=0.01, checkpoint=tmp_path / "state")
-    rest = run(t5(), stop_time=1.0, step=0.01, record_every=7, resume=tmp_path / "state")
+    whole = run(t5(), stop_time=1.0, step=0.01, save=Save(every=7))
+    run(t5(), stop_time=0.3, step=0.01, hooks=[adcs.checkpoint(tmp_path / "state")])
+    rest = run(t5(), stop_time=1.0, step=0.01, save=Save(every=7), resume=tmp_path / "state")
     assert np.array_equal(rest.data, whole.data[5:])  # 0.35 s is the first after 0.3 s
     assert np.array_equal(rest.time, whole.time[5:])
 
@@ -86,15 +90,15 @@ def test_a_solved_loop_is_resumed_alike(tmp_path):
         system.connect("controller.torque_B", "plant.torque_B")
         return system
 
-    common = {"step": 0.1, "solve_loops": LoopSolver()}
+    common = {"step": 0.1, "method": CoSimulation(loops=LoopSolver())}
     whole = run(build(), stop_time=4, **common)
-    run(build(), stop_time=2, checkpoint=tmp_path / "state", **common)
+    run(build(), stop_time=2, hooks=[adcs.checkpoint(tmp_path / "state")], **common)
     assert np.array_equal(run(build(), stop_time=4, resume=tmp_path / "state", **common).data, whole.data[20:])
 
 
 def test_refused(tmp_path, chain):
     state = tmp_path / "state"
-    run(t5(), stop_time=1.0, step=0.01, checkpoint=state)
+    run(t5(), stop_time=1.0, step=0.01, hooks=[adcs.checkpoint(state)])
 
     def refused(system, message, **settings):
         with pytest.raises(AdcsError) as error:
@@ -102,7 +106,7 @@ def test_refused(tmp_path, chain):
         assert message in str(error.value)
 
     refused(t5(), f"{state} is of another run: step is 0.01 there, 0.02 here", step=0.02, resume=state)
-    refused(t5(), "recorded variables is not the same", record=["plant.q_BN"], resume=state)
+    refused(t5(), "recorded variables is not the same", save=Save(["plant.q_BN"]), resume=state)
     refused(t5(), "FMUs is not the same", fmi_version="3.0", resume=state)
     refused(SYSTEMS["full-state-pd"].build(), "FMUs is not the same", resume=state)
     refused(t5(), f"{state} is at t = 1 s, after stop_time = 0.5 s", stop_time=0.5, resume=state)
@@ -111,19 +115,19 @@ def test_refused(tmp_path, chain):
     other.set("controller.k_p", 9.0)
     refused(other, "start values is not the same", resume=state)
     refused(t5(), "the change of controller.k_p at 0.5 s lies before the checkpoint, 1 s", resume=state,
-            changes=[(0.5, "controller.k_p", 2.0)])  # fmt: skip
-    refused(t5(), "checkpoint_every: there is no checkpoint to be written", checkpoint_every=1.0)
-    refused(t5(), "checkpoint_every = 0 s: expected a positive time", checkpoint=state, checkpoint_every=0.0)
+            hooks=[adcs.at(0.5, {"controller.k_p": 2.0})])  # fmt: skip
+    refused(t5(), "checkpoint: every = 0 s: expected a positive time", hooks=[adcs.checkpoint(state, every=0)])
     (tmp_path / "text").write_text("no checkpoint")
     refused(t5(), "is not a checkpoint of this program", resume=tmp_path / "text")
     state.write_bytes(state.read_bytes()[:1000])
     refused(t5(), "is not a checkpoint of this program", resume=state)
-    refused(chain(), "cannot save its state to a file", checkpoint=state)
+    refused(chain(), "cannot save its state to a file", hooks=[adcs.checkpoint(state)])
     slow = t5()
     slow.components["tracker"].every = 3
     message = "no checkpoint at t = 2 s: tracker communicates at every 3 steps, and not then"
-    refused(slow, message, checkpoint=state)
-    refused(slow, "checkpoint: not together with until", checkpoint=state, until="plant.kinetic_energy > 0.1")
+    refused(slow, message, hooks=[adcs.checkpoint(state)])
+    both = [adcs.checkpoint(state), adcs.until("plant.kinetic_energy > 0.1")]
+    refused(slow, "checkpoint: not together with until", hooks=both)
     wrong = " s, is not a whole number of exchange steps of 0.01 s: use "
-    refused(t5(), f"checkpoint_every, 0.015{wrong}0.01 or 0.02 s", checkpoint=state, checkpoint_every=0.015)
-    refused(t5(), f"checkpoint_every, 0.005{wrong}0.01 s", checkpoint=state, checkpoint_every=0.005)
+    refused(t5(), f"checkpoint: every, 0.015{wrong}0.01 or 0.02 s", hooks=[adcs.checkpoint(state, every=0.015)])
+    refused(t5(), f"checkpoint: every, 0.005{wrong}0.01 s", hooks=[adcs.checkpoint(state, every=0.005)])

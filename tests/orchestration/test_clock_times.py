@@ -6,10 +6,12 @@ from pathlib import Path
 import foreign_fmus
 import pytest
 
-from adcs import AdcsError, RunFailed, System, run
+import adcs
+from adcs import AdcsError, CoSimulation, RunFailed, System, run
 from orchestration.fmu.description import Clock
 from orchestration.instances.clocks import Intervals, Timer
 from orchestration.instances.instance import CallFailed
+from orchestration.running.method import method_of
 
 RETUNED, CHANGED, COUNTED = 1, 2, 3
 WRONG = {"nan": 1, "inf": 2, "-1.0": 3}
@@ -47,7 +49,14 @@ def asked(interval, shift, resolution=1):
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_good_intervals_tick(folder, stepping):
     fmu = foreign_fmus.build("eager", folder, "3.0")
-    assert run(alone(fmu), stop_time=0.5, step=0.1, stepping=stepping)["c.ticks"].tolist() == [0, 1, 2, 3, 4, 5]
+    assert run(alone(fmu), stop_time=0.5, step=0.1, method=CoSimulation(stepping=stepping))["c.ticks"].tolist() == [
+        0,
+        1,
+        2,
+        3,
+        4,
+        5,
+    ]
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
@@ -57,7 +66,12 @@ def test_intervals_that_become_wrong_on_the_way(folder, stepping, number, which,
     """With an infinite one a clock would never tick again, without a word."""
     fmu = foreign_fmus.build("eager", folder, "3.0")
     with pytest.raises(RunFailed) as error:
-        run(alone(fmu, which=which, wrong=WRONG[number]), stop_time=1.0, step=0.1, stepping=stepping)
+        run(
+            alone(fmu, which=which, wrong=WRONG[number]),
+            stop_time=1.0,
+            step=0.1,
+            method=CoSimulation(stepping=stepping),
+        )
     text = f"c failed at t = 0.2 s: the interval of clock {name} is {number} s: expected a positive time"
     assert str(error.value) == f"{text}; 3 rows are kept"
 
@@ -101,7 +115,7 @@ def test_fractions_of_nothing(kind):
 def test_a_clock_that_ticks_again_and_again_is_named(folder, stepping):
     fmu = foreign_fmus.build("eager", folder, "3.0")
     with pytest.raises(RunFailed) as error:
-        run(alone(fmu, which=CHANGED, wrong=4), stop_time=1.0, step=0.1, stepping=stepping)
+        run(alone(fmu, which=CHANGED, wrong=4), stop_time=1.0, step=0.1, method=CoSimulation(stepping=stepping))
     assert str(error.value).startswith(
         "c failed at t = 0.2 s: the event at t = 0.2 s does not settle in 100 iterations: clock changed ticks again "
         "and again at this time, its interval is too short"
@@ -123,7 +137,7 @@ def test_time_based_clocks_are_called_what_they_are(folder):
     with pytest.raises(AdcsError, match=rf"^c\.tick is {what}: values from outside go to inputs$"):
         system.check(["c.tick"])
     with pytest.raises(AdcsError, match=rf"^c\.tick cannot be set during a run: it is {what}, only inputs and"):
-        run(system, stop_time=1.0, step=0.1, changes=[(0.5, "c.tick", True)])
+        run(system, stop_time=1.0, step=0.1, hooks=[adcs.at(0.5, {"c.tick": True})])
 
 
 def test_what_helps_an_fmu_with_clocks_depends_on_what_it_has(folder):
@@ -145,7 +159,12 @@ def test_what_helps_an_fmu_with_clocks_depends_on_what_it_has(folder):
     }
     for (method, fmu), text in cases.items():
         with pytest.raises(AdcsError) as error:
-            run(alone(fmu), stop_time=1.0, step=0.1, method=method)
+            run(
+                alone(fmu),
+                stop_time=1.0,
+                step=0.1,
+                method=method_of(method),
+            )
         assert str(error.value).startswith(text)
 
 
@@ -157,4 +176,9 @@ def test_a_clocked_fmu_of_model_exchange_alone(folder, tmp_path):
     fmu = foreign_fmus.changed(fmu, tmp_path / "me3.fmu", ' hasEventMode="true"', "")
     for method in ("co-simulation", "model-exchange"):
         with pytest.raises(AdcsError, match=r"has clocks \(tick, every_third\), which .*: it has none, export it with"):
-            run(alone(fmu), stop_time=1.0, step=0.1, method=method)
+            run(
+                alone(fmu),
+                stop_time=1.0,
+                step=0.1,
+                method=method_of(method),
+            )

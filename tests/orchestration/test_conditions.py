@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from adcs import AdcsError, System, run
+import adcs
+from adcs import AdcsError, CoSimulation, Save, System, run
 from adcs.catalogue import SYSTEMS
 from orchestration.results.result import Recording
 from orchestration.running.conditions.condition import Condition
@@ -54,15 +55,17 @@ def met(text, values, times=None):
     ],
 )
 def test_a_run_ends_with_the_first_row_that_meets_it(chain, stepping, text, end):
-    result = run(chain(), stop_time=10, step=0.25, stepping=stepping, until=text)
+    result = run(chain(), stop_time=10, step=0.25, method=CoSimulation(stepping=stepping), hooks=[adcs.until(text)])
     assert result.time[-1] == (10.0 if end is None else end)
     assert result.manifest["outcome"].get("met") == (None if end is None else {"condition": text, "time": end})
 
 
 def test_time_is_that_of_the_row_whichever_rows_are_kept(chain):
-    every_third = run(chain(), start_time=100, stop_time=120, step=0.25, record_every=3, until="time > 110")
+    every_third = run(
+        chain(), start_time=100, stop_time=120, step=0.25, save=Save(every=3), hooks=[adcs.until("time > 110")]
+    )
     assert every_third.time.tolist() == [100 + 0.75 * k for k in range(15)]  # 110.5 s is the first row after 110 s
-    shorter = run(SYSTEMS["observer-pd"].build(), stop_time=0.25, step=0.1, until="time > 0.2")
+    shorter = run(SYSTEMS["observer-pd"].build(), stop_time=0.25, step=0.1, hooks=[adcs.until("time > 0.2")])
     assert shorter.time.tolist() == [0.0, 0.1, 0.2, 0.25]
     assert shorter.manifest["outcome"]["met"] == {"condition": "time > 0.2", "time": 0.25}
 
@@ -70,7 +73,7 @@ def test_time_is_that_of_the_row_whichever_rows_are_kept(chain):
 @pytest.mark.parametrize("order", [("time >= 2", "time >= 1.5"), ("time >= 1.5", "time >= 2")])
 def test_of_several_conditions_the_first_that_is_met_ends_the_run(chain, order):
     watched, until = order
-    result = run(chain(), stop_time=10, step=0.25, watchers=[Until(watched)], until=until)
+    result = run(chain(), stop_time=10, step=0.25, hooks=[adcs.until(until), Until(watched)])
     assert result.manifest["outcome"]["met"] == {"condition": "time >= 1.5", "time": 1.5}
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from adcs import AdcsError, CoupledModel, LoopSolver, RunFailed, System, run
+from adcs import AdcsError, CoupledModel, LoopSolver, ModelExchange, RunFailed, System, run
 
 SOLVERS = {"DOP853": 1e-13, "CVode": 1e-7}
-ME = {"method": "model-exchange"}
+ME = ModelExchange()
 
 
 @pytest.fixture
@@ -34,7 +34,7 @@ def exact(t):
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_against_the_exact_solution(springs, version, solver):
-    result = run(springs(version), stop_time=10, step=0.5, **ME, solver=solver, rtol=1e-12, atol=1e-14)
+    result = run(springs(version), stop_time=10, step=0.5, method=ModelExchange(solver, rtol=1e-12, atol=1e-14))
     first, second = exact(result.time)
     tolerance = 1e-12 if solver == "DOP853" else 1e-8
     assert result["a.position"] == pytest.approx(first, abs=tolerance)
@@ -46,17 +46,17 @@ def test_against_the_exact_solution(springs, version, solver):
 
 def test_tolerance_matters_only_between_rows(springs):
     # the steps end on the rows, so that a fine grid is as accurate as its own steps
-    result = run(springs(), stop_time=10, step=0.01, **ME, rtol=1e-3, atol=1e-3)
+    result = run(springs(), stop_time=10, step=0.01, method=ModelExchange(rtol=1e-3, atol=1e-3))
     assert result["a.position"] == pytest.approx(exact(result.time)[0], abs=1e-12)
 
 
 def test_both_versions_agree_to_the_last_bit(springs):
-    two, three = (run(springs(v), stop_time=5, step=0.1, **ME) for v in ("2.0", "3.0"))
+    two, three = (run(springs(v), stop_time=5, step=0.1, method=ME) for v in ("2.0", "3.0"))
     assert np.array_equal(two.data, three.data)
 
 
 def test_co_simulation_converges_with_first_order(springs):
-    truth = run(springs(), stop_time=2, step=0.1, **ME)["a.position"]
+    truth = run(springs(), stop_time=2, step=0.1, method=ME)["a.position"]
     errors = []
     for step in (0.02, 0.01, 0.005):
         result = run(springs(), stop_time=2, step=step)
@@ -66,7 +66,7 @@ def test_co_simulation_converges_with_first_order(springs):
 
 
 def test_a_chain_of_feedthrough(chain, version):
-    result = run(chain(version), stop_time=1, step=0.25, **ME)
+    result = run(chain(version), stop_time=1, step=0.25, method=ME)
     t = result.time
     assert result["gain.y"][:, 0] == pytest.approx(2 * (1 + t), abs=1e-14)
     assert result["integrator.y"][:, 2] == pytest.approx(10 + 2 * (3 * t + t**2 / 2), abs=1e-14)
@@ -91,7 +91,7 @@ def test_time_events(mock, version, solver, period):
     system = System("ticker")
     system.add("ticker", mock("ticker", version), {"period": period})
     system.add("other", mock("oscillator", version), {"u": 0.0})
-    result = run(system, stop_time=2, step=0.1, **ME, solver=solver)
+    result = run(system, stop_time=2, step=0.1, method=ModelExchange(solver))
     count = np.floor(result.time / period + 1e-6)
     assert result["ticker.count"].tolist() == count.tolist()  # the row at an event holds the value after it
     area = [sum(t - k * period for k in range(1, int(n) + 1)) for t, n in zip(result.time, count, strict=True)]
@@ -102,7 +102,7 @@ def test_time_events(mock, version, solver, period):
 def test_a_system_without_states(mock, version):
     system = System("source")
     system.add("source", mock("source", version))
-    result = run(system, stop_time=1, step=0.25, **ME)
+    result = run(system, stop_time=1, step=0.25, method=ME)
     assert result["source.y"][:, 0].tolist() == [0.0, 0.25, 0.5, 0.75, 1.0]
     assert result.states.shape == (5, 0)
 
@@ -112,7 +112,7 @@ def test_an_element_is_connected_and_the_others_keep_their_start_values(mock, ve
     system.add("swing", mock("oscillator", version), {"u": 0.0})
     system.add("integrator", mock("integrator", version), {"u": [1.0, 2.0, 3.0]})
     system.connect("swing.position", "integrator.u[2]", factor=2.0)
-    result = run(system, stop_time=2, step=0.5, **ME)
+    result = run(system, stop_time=2, step=0.5, method=ME)
     t = result.time
     assert result["integrator.y"] == pytest.approx(np.array([t, 2 * np.sin(t), 3 * t]).T, abs=1e-10)
 
@@ -153,7 +153,7 @@ def test_delays_are_refused_by_name(springs):
 )
 def test_a_failing_component_stops_the_run(faulty, version, solver, mode, message):
     with pytest.raises(RunFailed, match=message) as error:
-        run(faulty(version, mode, at=0.6), stop_time=1, step=0.25, **ME, solver=solver)
+        run(faulty(version, mode, at=0.6), stop_time=1, step=0.25, method=ModelExchange(solver))
     result = error.value.result
     assert result.time.tolist() == [0.0, 0.25, 0.5]
     assert result["wheel.y"].tolist() == [1.0, 1.0, 1.0]
@@ -163,7 +163,7 @@ def test_a_failing_component_stops_the_run(faulty, version, solver, mode, messag
 
 
 def test_a_component_may_ask_to_end(faulty, version):
-    result = run(faulty(version, 6, at=0.0), stop_time=1, step=0.25, **ME)
+    result = run(faulty(version, 6, at=0.0), stop_time=1, step=0.25, method=ME)
     assert result.time.tolist() == [0.0]
     ended = {"component": "wheel", "time": 0.0, "message": "it gave no reason"}
     assert result.manifest["outcome"] == {"status": "complete", "ended": ended, "rows": 1}
@@ -175,7 +175,7 @@ def test_an_event_that_does_not_move_on(mock):
     with pytest.raises(
         RunFailed, match=r"ticker failed at t = 1000000 s: its next event, at t = 1000000\.0 s, does not lie"
     ):
-        run(system, start_time=1e6, stop_time=1e6 + 1, step=0.5, **ME)
+        run(system, start_time=1e6, stop_time=1e6 + 1, step=0.5, method=ME)
 
 
 def test_a_diverging_state_ends_with_its_time(mock):
@@ -185,6 +185,6 @@ def test_a_diverging_state_ends_with_its_time(mock):
     system.connect("integrator.y", "gain.u")
     system.connect("gain.y", "integrator.u")
     with pytest.raises(RunFailed) as error:
-        run(system, stop_time=10, step=0.1, **ME)
+        run(system, stop_time=10, step=0.1, method=ME)
     assert "\n" not in str(error.value)
     assert 0.0 < len(error.value.result.time) < 100

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 import scipy.io
 
-from adcs import AdcsError, System, run
+from adcs import AdcsError, CoSimulation, Save, System, run
 from adcs.catalogue import SYSTEMS
 from orchestration.results import hdf5
 
@@ -20,7 +20,7 @@ def test_rows_that_go_to_a_file_are_those_in_memory(tmp_path, monkeypatch):
     monkeypatch.setattr(hdf5, "AT_ONCE", 1000)  # some 17 rows
     common = {"stop_time": 5, "step": 0.01}
     kept = run(T5.build(), **common)
-    filed = run(T5.build(), **common, hdf5=tmp_path / "result.h5")
+    filed = run(T5.build(), **common, save=Save(to=tmp_path / "result.h5"))
     assert filed.names == kept.names
     assert np.array_equal(filed.time, kept.time)
     for name in kept.names:
@@ -52,7 +52,7 @@ def test_a_result_in_memory_is_written_alike(tmp_path, monkeypatch):
 
 def test_a_failing_run_keeps_its_file(faulty, tmp_path):
     with pytest.raises(AdcsError, match="3 rows are kept"):
-        run(faulty("2.0", 1), stop_time=1, step=0.25, hdf5=tmp_path / "result.h5")
+        run(faulty("2.0", 1), stop_time=1, step=0.25, save=Save(to=tmp_path / "result.h5"))
     with h5py.File(tmp_path / "result.h5") as file:
         assert file["time"][:].tolist() == [0.0, 0.25, 0.5]
         assert file["source/y"][:, 0].tolist() == [0.0, 0.25, 0.5]
@@ -61,16 +61,16 @@ def test_a_failing_run_keeps_its_file(faulty, tmp_path):
 def test_a_file_that_cannot_be_written_is_refused(chain, tmp_path):
     (tmp_path / "folder").mkdir()
     with pytest.raises(AdcsError, match="cannot write"):
-        run(chain(), stop_time=1, step=0.5, hdf5=tmp_path / "folder")
+        run(chain(), stop_time=1, step=0.5, save=Save(to=tmp_path / "folder"))
 
 
 @pytest.mark.parametrize("stepping", ["compiled", "python"])
 def test_every_nth_row(chain, stepping):
-    every = run(chain(), stop_time=10, step=0.01, stepping=stepping)
-    fourth = run(chain(), stop_time=10, step=0.01, stepping=stepping, record_every=4)
+    every = run(chain(), stop_time=10, step=0.01, method=CoSimulation(stepping=stepping))
+    fourth = run(chain(), stop_time=10, step=0.01, method=CoSimulation(stepping=stepping), save=Save(every=4))
     assert np.array_equal(fourth.time, every.time[::4])
     assert np.array_equal(fourth.data, every.data[::4])
-    third = run(chain(), stop_time=10, step=0.01, stepping=stepping, record_every=300)
+    third = run(chain(), stop_time=10, step=0.01, method=CoSimulation(stepping=stepping), save=Save(every=300))
     assert np.array_equal(third.time, every.time[::300])  # 0, 3, 6 and 9 s
     assert np.array_equal(third.data, every.data[::300])
 
@@ -78,7 +78,9 @@ def test_every_nth_row(chain, stepping):
 def test_integers_and_booleans_stay_what_they_are(mock, version, tmp_path):
     system = System("typed")
     system.add("typed", mock("typed", version), {"n": 3, "flag": True})
-    result = run(system, stop_time=1, step=0.5, fmi_version=version, record=["typed.whole", "typed.flag", "typed.y"])
+    result = run(
+        system, stop_time=1, step=0.5, fmi_version=version, save=Save(["typed.whole", "typed.flag", "typed.y"])
+    )
     assert result["typed.whole"].dtype == np.int64
     assert result["typed.whole"].tolist() == [3, 3, 3]
     assert result["typed.flag"].dtype == np.bool_

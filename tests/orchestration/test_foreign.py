@@ -12,7 +12,8 @@ import foreign_fmus
 import numpy as np
 import pytest
 
-from adcs import AdcsError, RunFailed, System, run
+import adcs
+from adcs import AdcsError, CoSimulation, RunFailed, Save, System, run
 from orchestration.fmu.description import Clock
 from orchestration.fmu.file import extracted, locate, open_fmu
 from orchestration.instances.clocks import Intervals, Timer
@@ -41,7 +42,7 @@ def failed(system, **settings):
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_state_events_inside_a_step_are_where_the_fmu_found_them(foreign, stepping):
-    result = run(alone(foreign("bouncer")), stop_time=1.0, step=0.25, stepping=stepping)
+    result = run(alone(foreign("bouncer")), stop_time=1.0, step=0.25, method=CoSimulation(stepping=stepping))
     assert result["c.hits"].tolist() == [0, 0, 1, 2, 3]
     assert result["c.x"] == pytest.approx([0.0, 0.25, 0.2, 0.15, 0.1], abs=1e-15)
 
@@ -80,7 +81,7 @@ def test_discrete_inputs_are_taken_in_event_mode(foreign):
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_clocks_of_every_kind_tick_at_their_instants(foreign, stepping):
-    result = run(alone(foreign("clocks"), {"u": 3.0}), stop_time=1.0, step=0.1, stepping=stepping)
+    result = run(alone(foreign("clocks"), {"u": 3.0}), stop_time=1.0, step=0.1, method=CoSimulation(stepping=stepping))
     instants = {
         "steady": [0.1, 0.35, 0.6, 0.85],  # interval 0.25 after a shift of 0.1
         "third": [0.0, 1 / 3, 2 / 3, 1.0],  # a fraction: the third tick is at 1, not beside it
@@ -100,8 +101,8 @@ def test_clocks_of_every_kind_tick_at_their_instants(foreign, stepping):
 
 def test_ticks_do_not_depend_on_the_communication_step(foreign):
     names = [f"c.{clock}_n" for clock in ("steady", "third", "given", "asked", "growing", "alarm")]
-    fine = run(alone(foreign("clocks"), {"u": 0.0}), stop_time=3.0, step=0.01, record=names)
-    coarse = run(alone(foreign("clocks"), {"u": 0.0}), stop_time=3.0, step=0.5, record=names)
+    fine = run(alone(foreign("clocks"), {"u": 0.0}), stop_time=3.0, step=0.01, save=Save(names))
+    coarse = run(alone(foreign("clocks"), {"u": 0.0}), stop_time=3.0, step=0.5, save=Save(names))
     assert np.array_equal(fine.data[::50], coarse.data)
 
 
@@ -109,7 +110,7 @@ def test_a_clocked_component_hands_on_what_it_computes_from_the_values_of_this_p
     system = alone(foreign("clocks"))
     system.add("source", foreign("short"))
     system.connect("source.x", "c.u")
-    result = run(system, stop_time=1.0, step=0.05, record=["c.sampled", "source.x", "c.steady_n"])
+    result = run(system, stop_time=1.0, step=0.05, save=Save(["c.sampled", "source.x", "c.steady_n"]))
     x, sampled, n = result["source.x"], result["c.sampled"], result["c.steady_n"]
     assert n[[1, 2, 6, 7, 12, 17]].tolist() == [0, 1, 1, 2, 3, 4]
     for k in (2, 7, 12, 17):  # 0.1, 0.35, 0.6, 0.85 s
@@ -123,7 +124,7 @@ def test_an_output_clock_triggers_another_component_at_once(foreign, stepping):
     system.add("counter", foreign("counter"))
     system.connect("counter.every_third", "listener.heard")
     system.connect("counter.count", "listener.u")
-    result = run(system, stop_time=1.0, step=0.1, stepping=stepping)
+    result = run(system, stop_time=1.0, step=0.1, method=CoSimulation(stepping=stepping))
     assert result["counter.count"].tolist() == list(range(1, 12))
     assert result["counter.every_third"].tolist() == [(k + 1) % 3 == 0 for k in range(11)]
     assert result["counter.held"].tolist() == [(k + 1) // 3 * 3 for k in range(11)]
@@ -235,7 +236,7 @@ def test_a_checkpoint_is_gone_on_from_to_the_last_bit(foreign, tmp_path, model, 
     file = tmp_path / "half.checkpoint"
     settings = {"step": 0.05}
     whole = run(alone(foreign(model), start), stop_time=1.0, **settings)
-    run(alone(foreign(model), start), stop_time=0.6, checkpoint=file, **settings)
+    run(alone(foreign(model), start), stop_time=0.6, hooks=[adcs.checkpoint(file)], **settings)
     rest = run(alone(foreign(model), start), stop_time=1.0, resume=file, **settings)
     assert rest.time[0] == pytest.approx(0.6)
     assert np.array_equal(rest.data, whole.data[-len(rest.data) :])
@@ -246,7 +247,7 @@ def test_a_checkpoint_is_gone_on_from_to_the_last_bit(foreign, tmp_path, model, 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_a_step_returned_from_early_is_gone_on_with(foreign, stepping):
-    result = run(alone(foreign("short")), stop_time=1.0, step=0.1, stepping=stepping)
+    result = run(alone(foreign("short")), stop_time=1.0, step=0.1, method=CoSimulation(stepping=stepping))
     assert result["c.steps"].tolist() == [3 * k for k in range(11)]  # 0.04 + 0.04 + 0.02
     assert result["c.x"] == pytest.approx(0.1 * np.arange(11), abs=1e-14)
     assert result["c.asked"].max() == 0  # the answer to intermediate updates is to go on
@@ -262,7 +263,9 @@ def test_a_step_that_does_not_get_on(foreign):
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_discarded_steps_are_taken_in_smaller_ones_from_the_saved_state(foreign, version, stepping):
-    result = run(alone(foreign("picky", version), {"u": 1.0}), stop_time=1.0, step=0.1, stepping=stepping)
+    result = run(
+        alone(foreign("picky", version), {"u": 1.0}), stop_time=1.0, step=0.1, method=CoSimulation(stepping=stepping)
+    )
     assert result["c.steps"].tolist() == [4 * k for k in range(11)]  # of 0.025
     assert result["c.x"] == pytest.approx(0.1 * np.arange(11), abs=1e-14)  # nothing is left of what was discarded
     assert result.manifest["warnings"] == [
@@ -300,7 +303,7 @@ def test_an_fmi_3_fmu_needs_no_saved_state_for_a_discarded_step(foreign, steppin
     system = alone(fmu, {"u": 1.0})
     with opened(fmu) as instance:
         assert not instance.special
-    result = run(system, stop_time=1.0, step=0.1, stepping=stepping)
+    result = run(system, stop_time=1.0, step=0.1, method=CoSimulation(stepping=stepping))
     assert result["c.steps"].tolist() == [4 * k for k in range(11)]
     assert result["c.x"] == pytest.approx(0.1 * np.arange(11), abs=1e-14)
     assert result.manifest["warnings"] == [
@@ -324,7 +327,7 @@ def test_a_state_that_cannot_be_saved_though_it_is_said_ends_no_run_that_had_no_
         "c failed at t = 0 s: doStep returned discard, having got to t = 0.03 s: the step is too long"
     )
     with pytest.raises(RunFailed, match="saving the state returned error: there is no memory for it"):
-        run(alone(fmu, start), stop_time=1.0, step=0.1, adaptive=1e-3)  # which cannot do without
+        run(alone(fmu, start), stop_time=1.0, step=0.1, method=CoSimulation(adaptive=1e-3))  # which cannot do without
 
 
 def test_an_fmu_that_ends_the_simulation(foreign, version):

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from adcs import RunFailed, System, run
+from adcs import CoSimulation, RunFailed, System, run
 from adcs.library.thakur.observer.systems import full_state_pd, observer_pd
 from orchestration.fmu.file import open_fmu
 
@@ -85,7 +85,7 @@ def test_outputs_that_are_computed_in_do_step_are_one_step_late(late_slave, mock
     system.add("source", mock("oscillator"), {"u": 0.0})
     system.add("slave", late_slave)
     system.connect("source.position", "slave.u")
-    result = run(system, stop_time=1.0, step=0.1, stepping=stepping)
+    result = run(system, stop_time=1.0, step=0.1, method=CoSimulation(stepping=stepping))
     assert result["slave.y"][0] == 0.0
     assert np.array_equal(result["slave.y"][1:], 2 * result["source.position"][:-1])
     assert result["slave.count"].tolist() == list(range(11))

@@ -8,10 +8,11 @@ import foreign_fmus
 import numpy as np
 import pytest
 
-from adcs import AdcsError, System, run
+from adcs import AdcsError, CoSimulation, Save, System, run
 from orchestration.fmu.file import open_fmu
 from orchestration.fmu.typed_values import item_name
 from orchestration.fmu.values import parse_value
+from orchestration.running.parts import parts
 
 Foreign = Callable[..., Path]
 TYPES = {"2.0": ["Float64", "Int32", "Boolean"], "3.0": foreign_fmus.NUMBERS}
@@ -52,7 +53,9 @@ def test_start_values_come_from_the_file(foreign, version):
 def test_values_of_every_numeric_type_arrive(foreign, version, stepping, which):
     values = {t: EXTREMES[t][which] for t in TYPES[version]}
     start = inputs(version, values) | {f"p_{t}": value for t, value in values.items()}
-    result = run(alone(foreign("types", version), start), stop_time=1.0, step=1.0, stepping=stepping)
+    result = run(
+        alone(foreign("types", version), start), stop_time=1.0, step=1.0, method=CoSimulation(stepping=stepping)
+    )
     for t, value in values.items():
         assert result[f"c.y_{t}"].tolist() == [value, value], t
         assert result[f"c.q_{t}"].tolist() == [value, value], t
@@ -61,9 +64,9 @@ def test_values_of_every_numeric_type_arrive(foreign, version, stepping, which):
 def test_integers_beyond_those_of_doubles_can_be_given_but_not_recorded(foreign):
     start = inputs("3.0") | {"p_UInt64": 2**64 - 1, "p_Int64": -(2**63)}
     system = alone(foreign("types"), start)
-    assert run(system, stop_time=1.0, step=1.0, record=["c.y_Int8"])["c.y_Int8"].tolist() == [7, 7]
+    assert run(system, stop_time=1.0, step=1.0, save=Save(["c.y_Int8"]))["c.y_Int8"].tolist() == [7, 7]
     with pytest.raises(AdcsError, match=r"q_Int64 = -9223372036854775808 is beyond 2\^53"):
-        run(system, stop_time=1.0, step=1.0, record=["c.q_Int64"])
+        run(system, stop_time=1.0, step=1.0, save=Save(["c.q_Int64"]))
 
 
 @pytest.mark.parametrize(
@@ -123,7 +126,7 @@ def test_a_manifest_holds_binary_values_as_they_are_given_again(foreign, tmp_pat
     assert start["blob"] == "0100"
     again = System("again")
     again.add("c", foreign("types"), start)
-    assert np.array_equal(run(again, **result.manifest["settings"]).data, result.data)
+    assert np.array_equal(run(again, **parts(result.manifest["settings"])[0]).data, result.data)
 
 
 def test_an_empty_binary_value(foreign):
@@ -159,7 +162,7 @@ def test_structural_parameters_can_be_set(foreign, stepping):
     system = alone(foreign("sizes"), {"u": [1, 2, 3, 4, 5], "n": 5})
     system.add("next", foreign("sizes"), {"n": 5})
     system.connect("c.y", "next.u")
-    result = run(system, stop_time=1.0, step=1.0, stepping=stepping)
+    result = run(system, stop_time=1.0, step=1.0, method=CoSimulation(stepping=stepping))
     assert result["next.y"].tolist() == [[4, 8, 12, 16, 20]] * 2
     assert result["next.total"].tolist() == [30, 30]
 

@@ -10,7 +10,8 @@ import h5py
 import numpy as np
 import pytest
 
-from adcs import AdcsError, System, run
+import adcs
+from adcs import AdcsError, Save, System, run
 from adcs.cli.app import app
 from hil_bridge.ground import security
 from hil_bridge.ground.security import Keyring
@@ -28,7 +29,7 @@ TIMES = {"stop_time": 1.0, "step": 0.5}
 def state(own, tmp_path):
     """A checkpoint."""
     path = tmp_path / "state.npz"
-    run(own(), **TIMES, checkpoint=path)
+    run(own(), **TIMES, hooks=[adcs.checkpoint(path)])
     return path
 
 
@@ -67,7 +68,7 @@ def test_a_manifest_says_its_version_first(chain, tmp_path):
 
 
 def test_what_has_no_version_says_what_is_in_it(chain, tmp_path):
-    result = run(chain(), **TIMES, record=["gain.y"])
+    result = run(chain(), **TIMES, save=Save(["gain.y"]))
     result.write_csv(tmp_path / "result.csv")
     result.write_mat(tmp_path / "result.mat")
     header = (tmp_path / "result.csv").read_text().splitlines()[0]
@@ -78,7 +79,7 @@ def test_what_has_no_version_says_what_is_in_it(chain, tmp_path):
 @pytest.mark.parametrize("as_it_goes", [True, False])
 def test_results_in_hdf5_say_their_version(chain, tmp_path, as_it_goes):
     path = tmp_path / "result.h5"
-    result = run(chain(), **TIMES, hdf5=path if as_it_goes else None)
+    result = run(chain(), **TIMES, save=Save(to=path if as_it_goes else None))
     if not as_it_goes:
         result.write_hdf5(path)
     with h5py.File(path) as file:
@@ -124,7 +125,7 @@ def test_a_component_s_state_of_another_version_is_refused_by_name(own, state):
 def test_a_journal_of_another_version_is_refused_by_name_and_stays(chain, tmp_path):
     path = tmp_path / "run.journal"
     kept = Journal(path)
-    run(chain(), **TIMES, journal=kept)
+    run(chain(), **TIMES, save=Save(to=kept))
     kept.close()
     content = path.read_bytes()
     assert content[:16] == b"adcs-journal-2\n\0"

@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from adcs import AdcsError, Hook, System, run
+import adcs
+from adcs import AdcsError, CoSimulation, Hook, ModelExchange, Save, System, run
+from orchestration.running.hooks.changes import Changes
 
 METHODS = {
-    "adaptive": {"adaptive": 1e-9},
-    "DOP853": {"method": "model-exchange"},
-    "CVode": {"method": "model-exchange", "solver": "CVode"},
+    "adaptive": {"method": CoSimulation(adaptive=1e-9)},
+    "DOP853": {"method": ModelExchange()},
+    "CVode": {"method": ModelExchange("CVode")},
 }
 
 
@@ -37,7 +39,7 @@ def rate(result):
 
 def test_a_change_acts_from_its_time_on(method, version):
     changes = [(1.0, "plant.torque_B", [1.0, 0.0, 0.0]), (1.5, "plant.torque_B", [0.0, 0.0, 0.0])]
-    result = run(body(), stop_time=2.0, step=0.25, changes=changes, fmi_version=version, **method)
+    result = run(body(), stop_time=2.0, step=0.25, hooks=[Changes(changes)], fmi_version=version, **method)
     t = result.time
     assert rate(result) == pytest.approx(np.clip(t - 1.0, 0.0, 0.5) / 2, abs=1e-12)
     assert result.manifest["settings"]["changes"][0] == [1.0, "plant.torque_B", [1.0, 0.0, 0.0]]
@@ -45,7 +47,7 @@ def test_a_change_acts_from_its_time_on(method, version):
 
 def test_a_tunable_parameter_is_changed(method):
     start = [(0.0, "plant.torque_B", [1.0, 0.0, 0.0]), (1.0, "plant.J_B", 4 * np.eye(3))]
-    result = run(body(), stop_time=2.0, step=0.25, changes=start, **method)
+    result = run(body(), stop_time=2.0, step=0.25, hooks=[Changes(start)], **method)
     t = result.time
     assert rate(result) == pytest.approx(np.minimum(t, 1) / 2 + np.maximum(t - 1, 0) / 4, abs=1e-12)
 
@@ -55,7 +57,7 @@ def test_a_table_bends_between_two_rows(tmp_path, version):
     table = tmp_path / "u.csv"
     table.write_text("time,plant.torque_B[1],plant.torque_B[2],plant.torque_B[3]\n0,0,0,0\n0.6,1.2,0,0\n9,1.2,0,0\n")
     for settings in (METHODS["DOP853"], METHODS["CVode"]):
-        result = run(body(None), stop_time=2.0, step=0.5, inputs=table, fmi_version=version, **settings)
+        result = run(body(None), stop_time=2.0, step=0.5, hooks=[adcs.inputs(table)], fmi_version=version, **settings)
         t = result.time
         exact = np.where(t < 0.6, t**2, 0.36 + 1.2 * (t - 0.6)) / 2
         assert rate(result) == pytest.approx(exact, abs=1e-8)
@@ -65,8 +67,8 @@ def test_a_table_is_followed_by_the_steps_between_two_rows(tmp_path):
     """Held over a step, a ramp is late by half of it; 2^j steps are late by 2^-j of that."""
     table = tmp_path / "u.csv"
     table.write_text("time,plant.torque_B[1],plant.torque_B[2],plant.torque_B[3]\n0,0,0,0\n2,2,0,0\n")
-    rough = run(body(None), stop_time=2.0, step=0.5, inputs=table)
-    result = run(body(None), stop_time=2.0, step=0.5, inputs=table, adaptive=1e-3)
+    rough = run(body(None), stop_time=2.0, step=0.5, hooks=[adcs.inputs(table)])
+    result = run(body(None), stop_time=2.0, step=0.5, hooks=[adcs.inputs(table)], method=CoSimulation(adaptive=1e-3))
     exact = result.time**2 / 4
     assert np.abs(rate(rough) - exact).max() == pytest.approx(0.25)
     assert np.abs(rate(result) - exact).max() < 0.01
@@ -75,7 +77,7 @@ def test_a_table_is_followed_by_the_steps_between_two_rows(tmp_path):
 
 def test_a_condition_ends_the_run(method):
     pushed = body(PUSHED)
-    result = run(pushed, stop_time=10.0, step=0.25, until="plant.omega_BN_B[1] > 0.6", **method)
+    result = run(pushed, stop_time=10.0, step=0.25, hooks=[adcs.until("plant.omega_BN_B[1] > 0.6")], **method)
     assert result.time[-1] == 1.25
     assert result.manifest["outcome"]["met"] == {"condition": "plant.omega_BN_B[1] > 0.6", "time": 1.25}
 
@@ -83,10 +85,10 @@ def test_a_condition_ends_the_run(method):
 def test_rows_are_left_out_and_go_to_a_file(method, tmp_path):
     pushed = body(PUSHED)
     whole = run(pushed, stop_time=2.3, step=0.1, **method)
-    some = run(pushed, stop_time=2.3, step=0.1, record_every=5, **method)
+    some = run(pushed, stop_time=2.3, step=0.1, save=Save(every=5), **method)
     assert np.array_equal(some.data, whole.data[::5])
     assert np.array_equal(some.time, whole.time[::5])
-    filed = run(pushed, stop_time=2.3, step=0.1, record_every=5, hdf5=tmp_path / "x.h5", **method)
+    filed = run(pushed, stop_time=2.3, step=0.1, save=Save(every=5, to=tmp_path / "x.h5"), **method)
     assert np.array_equal(filed["plant.omega_BN_B"], some["plant.omega_BN_B"])
     if "method" in method:
         assert some.states.shape == (5, len(whole.state_names))
@@ -94,7 +96,7 @@ def test_rows_are_left_out_and_go_to_a_file(method, tmp_path):
 
 
 def test_it_keeps_to_the_clock(method):
-    result = run(body(), stop_time=0.2, step=0.05, real_time=1.0, **method)
+    result = run(body(), stop_time=0.2, step=0.05, hooks=[adcs.pace(1.0)], **method)
     assert result.manifest["real_time"]["points"] == 5
     assert result.manifest["timing"]["wall_s"] >= 0.2
 
@@ -123,7 +125,7 @@ def test_a_hook_of_ones_own(method):
             return {"braked_at": self.braked}
 
     pushed = body(PUSHED)
-    result = run(pushed, stop_time=2.0, step=0.25, watchers=[Brake()], **method)
+    result = run(pushed, stop_time=2.0, step=0.25, hooks=[Brake()], **method)
     # above 0.3 rad/s at 0.75 s; what is seen there is answered at the next point
     assert result.manifest["braked_at"] == 4
     assert rate(result) == pytest.approx(np.minimum(result.time, 1.0) / 2, abs=1e-12)
@@ -135,7 +137,7 @@ def test_a_hook_that_goes_nowhere_is_named():
             return 0
 
     with pytest.raises(AdcsError, match=r"Stuck\.ahead returned 0: expected a number of points from 1"):
-        run(body(), stop_time=1.0, step=0.5, watchers=[Stuck()])
+        run(body(), stop_time=1.0, step=0.5, hooks=[Stuck()])
 
 
 def test_a_report_does_not_replace_what_the_manifest_says():
@@ -143,7 +145,7 @@ def test_a_report_does_not_replace_what_the_manifest_says():
         def report(self):
             return {"settings": {"x": 1}, "loud": True}
 
-    manifest = run(body(), stop_time=1.0, step=0.5, watchers=[Loud()]).manifest
+    manifest = run(body(), stop_time=1.0, step=0.5, hooks=[Loud()]).manifest
     assert manifest["settings"]["stop_time"] == 1.0
     assert manifest["loud"] is True
     assert "settings of a report is left out: the manifest has it" in manifest["warnings"]

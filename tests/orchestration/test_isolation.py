@@ -17,7 +17,7 @@ import pytest
 import scipy.io
 from hostile import ROOT, adcs, as_file, start, system, until
 
-from adcs import AdcsError, Hook, RunFailed, System, run, write_ssp
+from adcs import AdcsError, CoSimulation, Hook, ModelExchange, RunFailed, Save, System, run, write_ssp
 from orchestration.isolation import journal
 from orchestration.process.lock import Lock
 
@@ -49,7 +49,7 @@ def test_a_component_that_ends_its_process_is_named_and_the_rows_are_kept(mock, 
 
 def test_one_that_dies_while_it_is_stepped_from_python_is_named(mock):
     with pytest.raises(RunFailed, match=f"failed at t = 0.5 s: doStep ended the process: {SEGFAULT}; 6 rows are kept$"):
-        run(system(mock, "segfault_doStep"), **TIMES, isolated=True, stepping="python")
+        run(system(mock, "segfault_doStep"), **TIMES, isolated=True, method=CoSimulation(stepping="python"))
 
 
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
@@ -64,7 +64,7 @@ def test_one_that_dies_before_the_run_has_begun_is_named(mock, version):
 def test_one_that_dies_in_model_exchange_is_named(mock):
     name = "segfault_setTime"
     with pytest.raises(RunFailed, match=f"setTime ended the process: {SEGFAULT}; 5 rows are kept$") as failed:
-        run(system(mock, name), **TIMES, isolated=True, method="model-exchange")
+        run(system(mock, name), **TIMES, isolated=True, method=ModelExchange())
     assert failed.value.result.time.tolist() == [0.1 * k for k in range(5)]
 
 
@@ -86,15 +86,15 @@ def test_an_isolated_run_is_the_same_to_the_last_bit(chain, tmp_path):
     assert np.array_equal(apart.data, here.data)
     assert apart.names == here.names
     assert apart.manifest["outcome"] == here.manifest["outcome"]
-    filed = run(chain(), stop_time=10, step=0.01, isolated=True, hdf5=tmp_path / "result.h5")
+    filed = run(chain(), stop_time=10, step=0.01, isolated=True, save=Save(to=tmp_path / "result.h5"))
     assert np.array_equal(filed["integrator.y"], here["integrator.y"])
 
 
 def test_an_isolated_run_refuses_by_name_what_cannot_cross(chain):
-    with pytest.raises(AdcsError, match=r"^watchers: they are part of this process"):
-        run(chain(), **TIMES, isolated=True, watchers=[Hook()])
-    with pytest.raises(AdcsError, match=r"^record: it cannot cross to the process of an isolated run"):
-        run(chain(), **TIMES, isolated=True, record=(name for name in ("gain.y",)))
+    with pytest.raises(AdcsError, match=r"^hooks: Hook is part of this process"):
+        run(chain(), **TIMES, isolated=True, hooks=[Hook()])
+    with pytest.raises(AdcsError, match=r"^save: an isolated run has a journal of its own"):
+        run(chain(), **TIMES, isolated=True, save=Save(to=journal.Journal(Path("run.journal"))))
     with pytest.raises(AdcsError, match=r"^stop_time = -1\.0 s lies before start_time"):
         run(chain(), stop_time=-1.0, step=0.1, isolated=True)
 
@@ -121,7 +121,7 @@ def test_what_a_component_changes_for_all_is_changed_back_and_reported(mock, nam
     made.add(name, mock("hostile"))
     folder, mask = Path.cwd(), os.umask(0o022)
     os.umask(mask)
-    result = run(made, **TIMES, stepping=stepping)
+    result = run(made, **TIMES, method=CoSimulation(stepping=stepping))
     assert f"{name}: {changed}" in result.manifest["warnings"]
     assert len([w for w in result.manifest["warnings"] if "changed the" in w]) <= 1
     assert np.array_equal(result["plant.q_BN"], alone["plant.q_BN"])
@@ -167,7 +167,7 @@ def test_a_journal_that_a_component_has_closed_goes_on_and_harms_no_other_file(c
             victims.append(os.open(tmp_path / f"{len(victims)}", os.O_RDWR | os.O_CREAT))
             assert victims[-1] == number
 
-    result = run(chain(), stop_time=100, step=0.01, journal=kept, progress=close)
+    result = run(chain(), stop_time=100, step=0.01, save=Save(to=kept), progress=close)
     assert len(result.time) == 10_001
     kept.close()
     assert [os.fstat(victim).st_size for victim in victims] == [0, 0, 0]
@@ -181,10 +181,10 @@ def test_hdf5_as_rows_come_is_whole_though_its_file_was_closed(mock, tmp_path):
     _alone(mock, tmp_path, "descriptors_doStep")
     code = """
 from orchestration.results import hdf5
-from adcs import run
+from adcs import Save, run
 from orchestration.ssp.read import read_ssp
 hdf5.AT_ONCE = 2
-result = run(read_ssp("descriptors_doStep.ssp").system, stop_time=1.0, step=0.1, hdf5="result.h5")
+result = run(read_ssp("descriptors_doStep.ssp").system, stop_time=1.0, step=0.1, save=Save(to="result.h5"))
 print(len(result["descriptors_doStep.y"]), *result.manifest["warnings"])
 """
     ran = subprocess.run(
@@ -225,20 +225,20 @@ def test_a_call_that_hangs_is_given_up_wherever_it_is(mock, call):
     words |= {"terminate": "terminating", "free": "freeing"}
     hung = f"{words[call]} did not return within 0.5 s"
     if call in ("terminate", "free"):
-        result = run(system(mock, name), **TIMES, timeout=0.5)
+        result = run(system(mock, name), **TIMES, method=CoSimulation(timeout=0.5))
         assert len(result.time) == 11
         assert result.manifest["warnings"] == [f"{name}: {hung}; all rows are there"]
     elif call == "doStep":
         with pytest.raises(RunFailed, match=f"^{name} failed at t = 0.5 s: {hung}; 6 rows are kept$"):
-            run(system(mock, name), **TIMES, timeout=0.5)
+            run(system(mock, name), **TIMES, method=CoSimulation(timeout=0.5))
     else:
         with pytest.raises(AdcsError, match=f"^{name}: {hung}$"):
-            run(system(mock, name), **TIMES, timeout=0.5)
+            run(system(mock, name), **TIMES, method=CoSimulation(timeout=0.5))
 
 
 def test_a_call_that_hangs_in_model_exchange_is_given_up(mock):
     with pytest.raises(RunFailed, match=r"setTime did not return within 0\.5 s; 5 rows are kept$"):
-        run(system(mock, "hang_setTime"), **TIMES, timeout=0.5, method="model-exchange")
+        run(system(mock, "hang_setTime"), **TIMES, method=ModelExchange(timeout=0.5))
 
 
 @pytest.mark.parametrize("kind", ["csv", "mat", "hdf5"])

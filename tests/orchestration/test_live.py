@@ -7,9 +7,12 @@ import time
 import numpy as np
 import pytest
 
-from adcs import AdcsError, RunFailed, Session, System, run
+import adcs
+from adcs import AdcsError, CoSimulation, RunFailed, Save, Session, System, run
 from adcs.catalogue import SYSTEMS
 from orchestration.instances.instance import Instance
+from orchestration.running.hooks.changes import Changes
+from orchestration.running.parts import parts
 
 STEPPINGS = ["compiled", "python"]
 T5 = SYSTEMS["observer-pd"]
@@ -17,19 +20,19 @@ T5 = SYSTEMS["observer-pd"]
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_a_tunable_parameter_changes_at_its_time(version, stepping):
-    common = {"stop_time": 2, "step": 0.125, "stepping": stepping, "fmi_version": version}
+    common = {"stop_time": 2, "step": 0.125, "fmi_version": version, "method": CoSimulation(stepping=stepping)}
     changes = [(1.0, "controller.k_p", 4.5), (0.5, "plant.torque_disturbance_B", [0.0, 1.0, 0.0])]
-    plain, changed = run(T5.build(), **common), run(T5.build(), **common, changes=changes)
+    plain, changed = run(T5.build(), **common), run(T5.build(), **common, hooks=[Changes(changes)])
     same = plain.time <= 0.5  # a disturbance acts from its time on, and is seen at the next point
     assert np.array_equal(plain.data[same], changed.data[same])
     assert not np.array_equal(plain["plant.omega_BN_B"][5], changed["plant.omega_BN_B"][5])
     # the torque at t = 1 s is that of the new gain already
     at = changed.time.tolist().index(1.0)
-    only_disturbed = run(T5.build(), **common, changes=changes[1:])
+    only_disturbed = run(T5.build(), **common, hooks=[Changes(changes[1:])])
     gained = changed["controller.torque_B"][at] - only_disturbed["controller.torque_B"][at]
     assert np.allclose(gained, -3.0 * changed["controller.q_BR"][at][1:], rtol=0, atol=1e-14)
     assert changed.manifest["settings"]["changes"] == [[1.0, "controller.k_p", 4.5], [*changes[1][:2], [0.0, 1.0, 0.0]]]
-    again = run(T5.build(), **changed.manifest["settings"])
+    again = run(T5.build(), **parts(changed.manifest["settings"])[0])
     assert np.array_equal(again.data, changed.data)
 
 
@@ -46,7 +49,7 @@ def test_a_tunable_parameter_changes_at_its_time(version, stepping):
 )
 def test_refused_changes(change, message):
     with pytest.raises(AdcsError) as error:
-        run(T5.build(), stop_time=2, step=0.1, changes=[change])
+        run(T5.build(), stop_time=2, step=0.1, hooks=[Changes([change])])
     assert message in str(error.value)
 
 
@@ -54,7 +57,7 @@ def test_a_change_that_the_fmu_refuses_is_named_with_its_time():
     with pytest.raises(
         RunFailed, match=r"^controller failed at t = 1 s: setting k_p = -1.0 returned error: .*k_p = -1"
     ):
-        run(T5.build(), stop_time=2, step=0.1, changes=[(1.0, "controller.k_p", -1.0)])
+        run(T5.build(), stop_time=2, step=0.1, hooks=[adcs.at(1.0, {"controller.k_p": -1.0})])
 
 
 @pytest.fixture
@@ -73,7 +76,14 @@ def fed(mock):
 def test_inputs_come_from_a_table(fed, tmp_path, version, stepping):
     table = tmp_path / "table.csv"
     table.write_text("time,gain.u[1],gain.u[3],gain.u[2]\n0.5,1,0,10\n1.5,3,0,10\n2.0,3,8,10\n")
-    result = run(fed(version), stop_time=2.5, step=0.25, stepping=stepping, fmi_version=version, inputs=table)
+    result = run(
+        fed(version),
+        stop_time=2.5,
+        step=0.25,
+        method=CoSimulation(stepping=stepping),
+        fmi_version=version,
+        hooks=[adcs.inputs(table)],
+    )
     times = result.time
     assert np.array_equal(result["gain.y"][:, 0], 2 * np.interp(times, [0.5, 1.5, 2.0], [1, 3, 3]))
     assert np.array_equal(result["gain.y"][:, 1], np.full(11, 20.0))
@@ -101,7 +111,7 @@ def test_refused_tables(fed, tmp_path, text, message):
     table = tmp_path / "table.csv"
     table.write_text(text)
     with pytest.raises(AdcsError) as error:
-        run(fed(), stop_time=1, step=1, inputs=table)
+        run(fed(), stop_time=1, step=1, hooks=[adcs.inputs(table)])
     assert message in str(error.value)
 
 
@@ -110,7 +120,7 @@ def test_a_table_in_another_unit_is_refused(tmp_path):
     names = [f"plant.torque_disturbance_B[{i}][kN.m]" for i in (1, 2, 3)]
     table.write_text(f"time,{','.join(names)}\n0,1,2,3\n")
     with pytest.raises(AdcsError, match=r"plant\.torque_disturbance_B\[1\] is in 'kN\.m', expected 'N\.m'$"):
-        run(T5.build(), stop_time=1, step=1, inputs=table)
+        run(T5.build(), stop_time=1, step=1, hooks=[adcs.inputs(table)])
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
@@ -125,7 +135,9 @@ def test_a_table_in_another_unit_is_refused(tmp_path):
     ],
 )
 def test_a_condition_ends_the_run_at_the_first_row_that_meets_it(chain, stepping, condition, end):
-    result = run(chain(), stop_time=10, step=0.25, stepping=stepping, until=condition)
+    result = run(
+        chain(), stop_time=10, step=0.25, method=CoSimulation(stepping=stepping), hooks=[adcs.until(condition)]
+    )
     assert result.time[-1] == end
     assert np.array_equal(result["source.y"][:, 0], 1 + result.time)
     met = result.manifest["outcome"].get("met")
@@ -144,14 +156,14 @@ def test_a_condition_ends_the_run_at_the_first_row_that_meets_it(chain, stepping
 )
 def test_refused_conditions(chain, condition, message):
     with pytest.raises(AdcsError) as error:
-        run(chain(), stop_time=1, step=1, until=condition)
+        run(chain(), stop_time=1, step=1, hooks=[adcs.until(condition)])
     assert message in str(error.value)
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_pace(chain, stepping):
     began = time.perf_counter()
-    paced = run(chain(), stop_time=1, step=0.1, stepping=stepping, real_time=4.0)
+    paced = run(chain(), stop_time=1, step=0.1, method=CoSimulation(stepping=stepping), hooks=[adcs.pace(4.0)])
     assert time.perf_counter() - began >= 0.25
     assert np.array_equal(paced.data, run(chain(), stop_time=1, step=0.1).data)
     report = paced.manifest["real_time"]
@@ -165,7 +177,7 @@ def test_a_component_that_hangs_is_named_and_the_rows_are_kept(faulty, version, 
     with pytest.raises(
         RunFailed, match=r"^wheel failed at t = 0\.5 s: doStep did not return within 0\.3 s; 3 rows are kept$"
     ) as error:
-        run(faulty(version, 9), stop_time=1, step=0.25, stepping=stepping, timeout=0.3)
+        run(faulty(version, 9), stop_time=1, step=0.25, method=CoSimulation(stepping=stepping, timeout=0.3))
     assert time.perf_counter() - began < 5
     assert error.value.result["source.y"][:, 0].tolist() == [0.0, 0.25, 0.5]
 
@@ -181,7 +193,7 @@ def test_a_simulation_step_by_step_that_is_changed_on_the_way():
                 break
     # set after the point, it acts over the step that follows, as a change at the point does
     changes = [(0.5, "plant.torque_disturbance_B", [0.0, 1.0, 0.0])]
-    expected = run(T5.build(), stop_time=2, step=0.125, changes=changes)["plant.omega_BN_B"]
+    expected = run(T5.build(), stop_time=2, step=0.125, hooks=[Changes(changes)])["plant.omega_BN_B"]
     assert np.array_equal(seen, expected)
 
 
@@ -207,14 +219,12 @@ def test_a_process_ends_well_after_it_gave_up_a_call(mock, stepping):
     faulty, source = mock("faulty"), mock("source")
     script = f"""
 import time
-from adcs import RunFailed
-from adcs import System
-from adcs import run
+from adcs import CoSimulation, RunFailed, System, run
 system = System("late")
 system.add("wheel", {str(faulty)!r}, {{"mode": 9, "from": 0.5}})
 system.add("source", {str(source)!r})
 try:
-    run(system, stop_time=1, step=0.25, stepping={stepping!r}, timeout=0.3)
+    run(system, stop_time=1, step=0.25, method=CoSimulation(stepping={stepping!r}, timeout=0.3))
 except RunFailed as failure:
     print(failure)
 time.sleep(0.2)
@@ -234,7 +244,13 @@ def test_a_hang_while_a_change_is_made_is_named(monkeypatch):
 
     monkeypatch.setattr(Instance, "set_start", slow)
     with pytest.raises(RunFailed, match=r"^controller failed at t = 0\.5 s: setting controller\.k_p did not return"):
-        run(T5.build(), stop_time=1, step=0.1, changes=[(0.5, "controller.k_p", 3.0)], timeout=0.3)
+        run(
+            T5.build(),
+            stop_time=1,
+            step=0.1,
+            hooks=[adcs.at(0.5, {"controller.k_p": 3.0})],
+            method=CoSimulation(timeout=0.3),
+        )
     time.sleep(1.0)  # the call comes back, to instances that are still there
 
 
@@ -242,7 +258,7 @@ def test_an_input_from_a_table_cannot_be_changed_as_well(fed, tmp_path):
     table = tmp_path / "table.csv"
     table.write_text("time,gain.u[1],gain.u[2],gain.u[3]\n0,1,2,3\n")
     with pytest.raises(AdcsError, match=r"^gain\.u gets its values from a table: it cannot be set during a run$"):
-        run(fed(), stop_time=1, step=0.5, inputs=table, changes=[(0.5, "gain.u", [1.0, 2.0, 3.0])])
+        run(fed(), stop_time=1, step=0.5, hooks=[adcs.at(0.5, {"gain.u": [1.0, 2.0, 3.0]}), adcs.inputs(table)])
 
 
 def test_the_header_of_a_result_file_of_pure_numbers_is_understood(tmp_path):
@@ -254,7 +270,7 @@ def test_the_header_of_a_result_file_of_pure_numbers_is_understood(tmp_path):
     rest = {"omega_BN_B": [0.0] * 3, "q_RN": [1.0, 0, 0, 0], "omega_RN_R": [0.0] * 3, "omegaDot_RN_R": [0.0] * 3}
     for name, value in rest.items():
         system.set(f"controller.{name}", value)
-    result = run(system, stop_time=1, step=0.5, inputs=table, record=["controller.q_BN"])
+    result = run(system, stop_time=1, step=0.5, hooks=[adcs.inputs(table)], save=Save(["controller.q_BN"]))
     assert result["controller.q_BN"].tolist() == [[1.0, 0.0, 0.0, 0.0]] * 3
 
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import root
 from scipy.spatial.transform import Rotation
 
-from adcs import AdcsError, LoopSolver, System, run
+from adcs import AdcsError, CoSimulation, LoopSolver, Save, System, run
 
 STEPPINGS = ["compiled", "python"]
 METHODS = ["newton", "fixed-point"]
@@ -30,7 +30,9 @@ def ring(mock):
 @pytest.mark.parametrize("method", METHODS)
 def test_a_linear_loop(ring, version, stepping, method):
     solver = LoopSolver(method)
-    result = run(ring(version), stop_time=1, step=0.5, stepping=stepping, fmi_version=version, solve_loops=solver)
+    result = run(
+        ring(version), stop_time=1, step=0.5, method=CoSimulation(loops=solver, stepping=stepping), fmi_version=version
+    )
     assert np.allclose(result["b.y"], 8 / 3, rtol=0, atol=1e-9)
     assert np.allclose(result["a.y"], 4 / 3, rtol=0, atol=1e-9)
     (loop,) = result.manifest["algebraic_loops"] if version == "3.0" else result.manifest["algebraic_loops"][:1]
@@ -40,20 +42,22 @@ def test_a_linear_loop(ring, version, stepping, method):
 
 
 def test_both_steppings_solve_alike(ring):
-    one, other = (run(ring(), stop_time=1, step=0.1, stepping=s, solve_loops=LoopSolver()) for s in STEPPINGS)
+    one, other = (
+        run(ring(), stop_time=1, step=0.1, method=CoSimulation(loops=LoopSolver(), stepping=s)) for s in STEPPINGS
+    )
     assert np.array_equal(one.data, other.data)
 
 
 def test_a_loop_without_a_unique_solution_is_named(ring):
     with pytest.raises(AdcsError, match=r"the algebraic loop of .*a\.u.* has no unique solution: its Jacobian is sing"):
-        run(ring(factor=0.5), stop_time=1, step=0.5, solve_loops=LoopSolver())
+        run(ring(factor=0.5), stop_time=1, step=0.5, method=CoSimulation(loops=LoopSolver()))
 
 
 def test_repetition_that_does_not_contract_is_named(ring):
     with pytest.raises(
         AdcsError, match=r"is not solved after 50 iterations of fixed-point, relative residual \S+: try"
     ):
-        run(ring(factor=-0.6), stop_time=1, step=0.5, solve_loops=LoopSolver("fixed-point"))
+        run(ring(factor=-0.6), stop_time=1, step=0.5, method=CoSimulation(loops=LoopSolver("fixed-point")))
 
 
 def test_a_controller_that_feeds_on_its_own_torque():
@@ -65,7 +69,9 @@ def test_a_controller_that_feeds_on_its_own_torque():
     start = {"q_BN": q_BN, "q_RN": [1.0, 0, 0, 0], "omega_RN_R": rate, "omegaDot_RN_R": acceleration}
     system.add("controller", "PdTracking", {"J_B": inertia, "k_p": 1.5, "k_v": 5.0, **start})
     system.connect("controller.torque_B", "controller.omega_BN_B", factor=0.7, offset=0.1)
-    result = run(system, stop_time=0.1, step=0.1, record=["controller.torque_B"], solve_loops=LoopSolver())
+    result = run(
+        system, stop_time=0.1, step=0.1, save=Save(["controller.torque_B"]), method=CoSimulation(loops=LoopSolver())
+    )
     dcm = Rotation.from_quat(q_BN, scalar_first=True).as_matrix().T
     omega_RN_B = dcm @ rate
 
@@ -85,7 +91,7 @@ def test_a_controller_that_feeds_on_its_own_torque():
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"method": "magic"}, "loop method 'magic' is unknown: use newton or fixed-point"),
+        ({"method": "magic"}, "loop method 'magic' is unknown: use 'newton' or 'fixed-point'"),
         ({"tolerance": 0.0}, "loop tolerance = 0.0: expected a number from 1.8e-15 to 1"),
     ],
 )

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from hostile import adcs, as_file, system
 
-from adcs import AdcsError, RunFailed, run
+from adcs import AdcsError, RunFailed, Save, checkpoint, run
 from orchestration.isolation import journal
 from orchestration.isolation.folder import ResultsFolder
 from orchestration.isolation.journal import Journal
@@ -66,7 +66,7 @@ def test_a_disk_that_fills_up_ends_a_run_with_the_rows_that_fitted(chain, small_
     """However long it was to be: all pages of 4096 bytes but four, for what the run is and how it came out."""
     full = Journal(small_disk / "run.journal")
     with pytest.raises(RunFailed) as failed:
-        run(chain(), stop_time=stop, step=0.01, journal=full)
+        run(chain(), stop_time=stop, step=0.01, save=Save(to=full))
     result = failed.value.result
     n = len(result.time)
     assert str(failed.value) == (
@@ -84,7 +84,7 @@ def test_a_disk_that_fills_up_ends_a_run_with_the_rows_that_fitted(chain, small_
 def test_hdf5_as_rows_come_keeps_what_fits(chain, small_disk, record, rows):
     path = small_disk / "result.h5"
     with pytest.raises(RunFailed, match=f"^cannot write {path}: {FULL}; "):
-        run(chain(), stop_time=1000, step=0.01, record=record, hdf5=path)
+        run(chain(), stop_time=1000, step=0.01, save=Save(record, to=path))
     with h5py.File(path) as file:
         n = len(file["time"])
         assert file["source/y"].shape == (n, 3)
@@ -96,7 +96,7 @@ def test_hdf5_as_rows_come_keeps_what_fits(chain, small_disk, record, rows):
 def test_hdf5_as_rows_come_leaves_no_file_where_no_row_has_room(chain, small_disk):
     path = small_disk / "result.h5"
     with pytest.raises(RunFailed, match=f"^cannot write {path}: {FULL}; 0 rows are kept$") as failed:
-        run(chain(), stop_time=1000, step=0.01, record=["source.y"], hdf5=path)
+        run(chain(), stop_time=1000, step=0.01, save=Save(["source.y"], to=path))
     assert failed.value.result["source.y"].shape == (0, 3)
     assert list(small_disk.iterdir()) == []
 
@@ -104,21 +104,21 @@ def test_hdf5_as_rows_come_leaves_no_file_where_no_row_has_room(chain, small_dis
 @pytest.mark.parametrize("small_disk", [100], indirect=True)
 def test_a_component_that_fails_on_a_full_disk_is_still_what_is_told(faulty, small_disk):
     with pytest.raises(RunFailed, match=r"^wheel failed at t = 0\.5 s: .*; 0 rows are kept$") as failed:
-        run(faulty("2.0", 1), stop_time=1, step=0.25, hdf5=small_disk / "result.h5")
+        run(faulty("2.0", 1), stop_time=1, step=0.25, save=Save(to=small_disk / "result.h5"))
     assert failed.value.result.manifest["warnings"] == [f"cannot write {small_disk}/result.h5: {FULL}"]
 
 
 def test_an_isolated_run_keeps_the_rows_that_its_file_has_no_room_for(chain, small_disk):
     path = small_disk / "result.h5"
     with pytest.raises(RunFailed) as failed:
-        run(chain(), stop_time=100, step=0.01, hdf5=path, isolated=True)
+        run(chain(), stop_time=100, step=0.01, save=Save(to=path), isolated=True)
     assert str(failed.value) == f"cannot write {path}: {FULL}; 10001 rows are kept"
     result = failed.value.result
     assert np.array_equal(result["integrator.y"], run(chain(), stop_time=100, step=0.01)["integrator.y"])
     assert result.manifest["outcome"]["message"] == f"cannot write {path}: {FULL}"
     assert list(small_disk.iterdir()) == []
     with pytest.raises(AdcsError, match=f"^cannot write {small_disk}: it is a folder$"):
-        run(chain(), stop_time=100, step=0.01, hdf5=small_disk, isolated=True)
+        run(chain(), stop_time=100, step=0.01, save=Save(to=small_disk), isolated=True)
 
 
 def test_hdf5_closes_in_peace_when_a_write_fails(tmp_path, monkeypatch):
@@ -190,14 +190,14 @@ def test_checkpoints_that_cannot_be_written_are_one_line_and_the_run_goes_on(cap
     from benchmarks import loop
 
     common = {"stop_time": 1, "step": 0.01}
-    result = run(loop.system(), **common, checkpoint="/dev/full", checkpoint_every=0.3)
+    result = run(loop.system(), **common, hooks=[checkpoint("/dev/full", every=0.3)])
     told = f"cannot write /dev/full: {FULL}"
     assert capfd.readouterr().err == f"adcs: a checkpoint is missing, the run goes on: {told}\n"
     assert result.manifest["warnings"] == [f"no checkpoint at t = 0.3, 0.6, 0.9, ... s: {told}"]
     assert result.manifest["outcome"] == {"status": "complete", "rows": 101}
     assert np.array_equal(result.data, run(loop.system(), **common).data)
     with pytest.raises(AdcsError, match=f"^cannot write {tmp_path}: it is a folder$"):
-        run(loop.system(), **common, checkpoint=tmp_path)
+        run(loop.system(), **common, hooks=[checkpoint(tmp_path)])
 
 
 def test_links_in_a_results_folder_are_replaced_and_not_followed(chain, tmp_path):
@@ -285,7 +285,7 @@ def test_a_write_that_fails_leaves_the_old_file(tmp_path, name):
 @pytest.mark.parametrize("cut", [0, 10, 63, 64, 4095, 4096, 12_000])
 def test_a_journal_that_is_cut_off_or_none_is_refused_in_one_line(chain, tmp_path, cut):
     whole = Journal(tmp_path / "run.journal")
-    run(chain(), stop_time=1, step=0.5, journal=whole)
+    run(chain(), stop_time=1, step=0.5, save=Save(to=whole))
     whole.close()
     assert len(journal.read(whole.path).times) == 3
     content = whole.path.read_bytes()

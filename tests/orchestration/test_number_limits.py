@@ -9,7 +9,8 @@ import foreign_fmus
 import numpy as np
 import pytest
 
-from adcs import AdcsError, RunFailed, Session, System, run
+import adcs
+from adcs import AdcsError, CoSimulation, RunFailed, Save, Session, System, run
 from orchestration.fmu.number_types import RANGES, first_beyond, first_misfit
 from orchestration.running.hooks.inputs import Table
 
@@ -41,11 +42,11 @@ def given(types, tmp_path, way, kind, value, stepping="compiled"):
     if way == "start":
         system.set(f"c.{name}", value)
     elif way == "change":
-        settings["changes"] = [(0.0, f"c.{name}", value)]
+        settings["hooks"] = [adcs.at(0.0, {f"c.{name}": value})]
     elif way == "table":
         table = tmp_path / "table.csv"
         table.write_text(f"time,c.{name}\n0,{value}\n")
-        settings["inputs"] = table
+        settings["hooks"] = [adcs.inputs(table)]
     else:
         system = System("pair")
         source = "Float64" if kind.startswith("Float") else "Int64"
@@ -53,13 +54,15 @@ def given(types, tmp_path, way, kind, value, stepping="compiled"):
         system.add("c", types, {n: v for n, v in inputs().items() if n != name})
         system.connect(f"a.q_{source}", f"c.{name}")
     record = [f"c.y_{kind}"]
-    return run(system, stop_time=0.1, step=0.1, stepping=stepping, record=record, **settings)[record[0]][-1]
+    return run(system, stop_time=0.1, step=0.1, method=CoSimulation(stepping=stepping), save=Save(record), **settings)[
+        record[0]
+    ][-1]
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
 @pytest.mark.parametrize(("kind", "sign"), [("Int64", 1), ("Int64", -1), ("UInt64", 1)])
 def test_the_limit_of_what_is_recorded_is_exact(types, stepping, kind, sign):
-    settings = {"stop_time": 0.1, "step": 0.1, "stepping": stepping, "record": [f"c.q_{kind}"]}
+    settings = {"stop_time": 0.1, "step": 0.1, "method": CoSimulation(stepping=stepping), "save": Save([f"c.q_{kind}"])}
     result = run(alone(types, **{f"p_{kind}": sign * 2**53}), **settings)
     assert [int(v) for v in result[f"c.q_{kind}"]] == [sign * 2**53] * 2
     with pytest.raises(RunFailed) as error:
@@ -75,7 +78,7 @@ def test_the_limit_of_what_is_handed_on_is_exact(types, tmp_path, stepping, kind
     system.add("a", types, inputs(**{f"p_{kind}": 2**53}))
     system.add("c", types, {n: v for n, v in inputs().items() if n != f"u_{kind}"})
     system.connect(f"a.q_{kind}", f"c.u_{kind}")
-    settings = {"stop_time": 0.1, "step": 0.1, "stepping": stepping, "record": [f"c.y_{kind}"]}
+    settings = {"stop_time": 0.1, "step": 0.1, "method": CoSimulation(stepping=stepping), "save": Save([f"c.y_{kind}"])}
     assert [int(v) for v in run(system, **settings)[f"c.y_{kind}"]] == [2**53] * 2
     system.set(f"a.p_{kind}", FIRST)
     with pytest.raises(AdcsError, match=rf"^a: q_{kind} = {FIRST} is beyond 2\^53"):
@@ -100,7 +103,7 @@ def test_what_a_factor_or_offset_rounds_is_refused(types, stepping, value, scale
     system.add("a", types, inputs(p_Int64=value))
     system.add("c", types, {n: v for n, v in inputs().items() if n != "u_Int64"})
     system.connect("a.q_Int64", "c.u_Int64", **scale)
-    settings = {"stop_time": 0.1, "step": 0.1, "stepping": stepping, "record": ["c.y_Int64"]}
+    settings = {"stop_time": 0.1, "step": 0.1, "method": CoSimulation(stepping=stepping), "save": Save(["c.y_Int64"])}
     if arrives is not None:
         assert [int(v) for v in run(system, **settings)["c.y_Int64"]] == [arrives] * 2
         return
@@ -140,7 +143,7 @@ def test_the_start_value_of_a_delayed_input_travels_as_a_double(types, stepping)
     system.add("c", types, inputs(u_Int64=FIRST))
     system.connect("a.q_Int64", "c.u_Int64", delay_steps=1)
     with pytest.raises(AdcsError, match=rf"^c\.u_Int64 = {FIRST} is beyond 2\^53, and cannot be handed on"):
-        run(system, stop_time=0.1, step=0.1, stepping=stepping)
+        run(system, stop_time=0.1, step=0.1, method=CoSimulation(stepping=stepping))
 
 
 @pytest.mark.parametrize("cell", [f"{FIRST}", f" {FIRST}.0", f"-{FIRST}"])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from adcs import AdcsError, LoopSolver, System, run
+from adcs import AdcsError, CoSimulation, LoopSolver, ModelExchange, Save, System, run
 
 STEPPINGS = ["compiled", "python"]
 
@@ -24,7 +24,9 @@ def pair(mock):
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_a_slow_component_sees_and_shows_values_of_its_own_points_only(pair, version, stepping):
-    result = run(pair(version, every=3), stop_time=2, step=0.25, stepping=stepping, fmi_version=version)
+    result = run(
+        pair(version, every=3), stop_time=2, step=0.25, method=CoSimulation(stepping=stepping), fmi_version=version
+    )
     expected = 2 * (1 + 0.25 * np.array([0, 0, 0, 3, 3, 3, 6, 6, 6]))
     assert np.array_equal(result["gain.y"][:, 0], expected)
     assert np.array_equal(result["source.y"][:, 0], 1 + result.time)
@@ -36,7 +38,7 @@ def test_a_slow_integrator_takes_long_steps_and_its_state_is_seen_at_their_end(m
     system.add("source", mock("source", version), {"offset": [1.0, 0.0, 0.0]})
     system.add("integrator", mock("integrator", version), every=4)
     system.connect("source.y", "integrator.u", factor=1.0)
-    result = run(system, stop_time=2.5, step=0.25, stepping=stepping, fmi_version=version)
+    result = run(system, stop_time=2.5, step=0.25, method=CoSimulation(stepping=stepping), fmi_version=version)
     # x(1) = x(0) + 1 s * u(0), x(2) = x(1) + 1 s * u(1), where u = 1 + t; held in between
     assert result["integrator.y"][:, 0].tolist() == [0, 0, 0, 0, 1, 1, 1, 1, 3, 3, 3]
 
@@ -46,7 +48,7 @@ def test_a_slow_integrator_takes_long_steps_and_its_state_is_seen_at_their_end(m
 def test_a_delayed_value_arrives_later_and_the_start_value_until_then(pair, version, stepping, connection):
     system = pair(version, **connection)
     system.set("gain.u", [7.0, 8.0, 9.0])
-    result = run(system, stop_time=2, step=0.25, stepping=stepping, fmi_version=version)
+    result = run(system, stop_time=2, step=0.25, method=CoSimulation(stepping=stepping), fmi_version=version)
     for i, start in enumerate((7.0, 8.0, 9.0)):
         expected = [2 * start] * 3 + [2 * (1 + i + 0.25 * (k - 3)) for k in range(3, 9)]
         assert result["gain.y"][:, i].tolist() == expected
@@ -64,7 +66,7 @@ def test_a_delay_makes_a_sequence_of_an_algebraic_loop(mock, version, stepping):
     system.add("gain", mock("gain", version))
     system.connect("gain.doubled", "gain.u", delay_steps=1)
     system.set("gain.u", [1.0, 2.0, -1.0])
-    result = run(system, stop_time=5, step=1, stepping=stepping, fmi_version=version)
+    result = run(system, stop_time=5, step=1, method=CoSimulation(stepping=stepping), fmi_version=version)
     assert np.array_equal(result["gain.doubled"], 2.0 ** np.arange(1, 7)[:, None] * [1.0, 2.0, -1.0])
 
 
@@ -92,12 +94,18 @@ def test_a_connection_can_be_delayed_afterwards(pair):
 
 def test_delays_are_refused_in_coupled_model_exchange(pair):
     with pytest.raises(AdcsError, match=r"^gain\.u gets source\.y with a delay, which coupled Model Exchange does not"):
-        run(pair(delay_steps=1), stop_time=1, step=0.25, method="model-exchange")
+        run(pair(delay_steps=1), stop_time=1, step=0.25, method=ModelExchange())
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_factor_and_offset(pair, version, stepping):
-    result = run(pair(version, factor=0.1, offset=-3.0), stop_time=2, step=0.25, stepping=stepping, fmi_version=version)
+    result = run(
+        pair(version, factor=0.1, offset=-3.0),
+        stop_time=2,
+        step=0.25,
+        method=CoSimulation(stepping=stepping),
+        fmi_version=version,
+    )
     assert np.array_equal(result["gain.y"], 2.0 * (0.1 * result["source.y"] + -3.0))
 
 
@@ -116,7 +124,14 @@ def test_single_elements(mock, version, stepping):
     system.connect("source.y[3]", "oscillator.u")
     system.connect("source.y[2]", "gain.u[1]")
     system.connect("source.y[1]", "gain.u[ 3 ]")
-    result = run(system, stop_time=1, step=0.5, stepping=stepping, fmi_version=version, record=["gain.u", "gain.y"])
+    result = run(
+        system,
+        stop_time=1,
+        step=0.5,
+        method=CoSimulation(stepping=stepping),
+        fmi_version=version,
+        save=Save(["gain.u", "gain.y"]),
+    )
     assert result["gain.u"].tolist() == [[2.0, 5.0, 1.0], [2.5, 5.0, 1.5], [3.0, 5.0, 2.0]]
     assert np.array_equal(result["gain.y"], 3 * result["gain.u"])
 
@@ -128,7 +143,10 @@ def test_crosswise_elements_are_no_loop_where_elements_have_dependencies_of_thei
     system.add("gain", mock("gain"), {"k": 2.0, "u": [1.0, 0.0, 0.0]})
     system.connect("gain.y[1]", "gain.u[2]", factor=1.0)
     system.connect("gain.y[2]", "gain.u[3]", factor=1.0)
-    assert run(system, stop_time=1, step=1, stepping=stepping)["gain.y"].tolist() == [[2.0, 4.0, 8.0]] * 2
+    assert (
+        run(system, stop_time=1, step=1, method=CoSimulation(stepping=stepping))["gain.y"].tolist()
+        == [[2.0, 4.0, 8.0]] * 2
+    )
 
 
 @pytest.mark.parametrize(
@@ -177,14 +195,21 @@ def test_a_mapping_says_what_arrives_for_each_value(mock, version, stepping):
 
     record = ["typed.whole", "oscillator.u"]
     for n, arrives in ((0, 2.5), (4, -1.0)):
-        result = run(system(n), stop_time=1, step=1, stepping=stepping, fmi_version=version, record=record)
+        result = run(
+            system(n),
+            stop_time=1,
+            step=1,
+            method=CoSimulation(stepping=stepping),
+            fmi_version=version,
+            save=Save(record),
+        )
         assert result["typed.whole"].dtype == np.int64
         assert result["typed.whole"].tolist() == [n, n]
         assert result["oscillator.u"].tolist() == [arrives, arrives]
     with pytest.raises(
         AdcsError, match=r"u gets a value for which its connection has no mapping, it comes from typed.whole$"
     ):
-        run(system(3), stop_time=1, step=1, stepping=stepping, fmi_version=version)
+        run(system(3), stop_time=1, step=1, method=CoSimulation(stepping=stepping), fmi_version=version)
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
@@ -203,12 +228,12 @@ def test_a_loop_of_components_with_different_rates_is_refused(mock):
     system.connect("b.y", "a.u", factor=0.25)
     system.connect("a.y", "b.u", factor=0.25)
     with pytest.raises(AdcsError, match="are in one algebraic loop, but communicate at every"):
-        run(system, stop_time=1, step=0.25, solve_loops=LoopSolver())
+        run(system, stop_time=1, step=0.25, method=CoSimulation(loops=LoopSolver()))
 
 
 def test_rates_are_refused_in_coupled_model_exchange(pair):
     with pytest.raises(AdcsError, match=r"^gain communicates at some exchange steps only \(every = 3\)"):
-        run(pair(every=3), stop_time=3, step=0.25, method="model-exchange")
+        run(pair(every=3), stop_time=3, step=0.25, method=ModelExchange())
 
 
 def test_a_refused_delay_leaves_the_connection(pair):

@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 from hostile import adcs
 
-from adcs import AdcsError, Hook, LoopSolver, RunFailed, System, rerun, run, systems, write_ssp
+from adcs import AdcsError, CoSimulation, Hook, LoopSolver, RunFailed, Save, System, rerun, run, systems, write_ssp
 from adcs.cli import app
 from fmus import fmu_path
 from orchestration.running.change import Change
+from orchestration.running.hooks.changes import Changes
 
 INPUTS = (
     "time,plant.torque_disturbance_B[1],plant.torque_disturbance_B[2],plant.torque_disturbance_B[3]\n0,0,0,0\n1,1,2,4\n"
@@ -65,7 +66,7 @@ def change(folder: Path, manifest: dict[str, Any]) -> None:
         ("--adaptive", 1e-4),
         ("--method", "model-exchange"),
         ("--method", "model-exchange", "--solver", "CVode", "--format", "hdf5"),
-        ("--stepping", "python", "--start", 0.05, "--format", "mat"),
+        ("--solve-loops", "newton", "--start", 0.05, "--format", "mat"),
         ("--checkpoint", "state.npz", "--checkpoint-every", 0.5),
         ("--real-time", 10),
         ("--estimate-error", "--record", "plant.q_BN"),
@@ -128,7 +129,7 @@ def test_connections_with_all_that_they_may_have(chain: Any, mock: Any) -> None:
     plain.add("gain", mock("gain"))
     plain.connect("source.y", "gain.u", factor=1.0)
     for made in (system, plain, chain()):
-        result = run(made, stop_time=1, step=0.1, record=["gain.u", "gain.y"])
+        result = run(made, stop_time=1, step=0.1, save=Save(["gain.u", "gain.y"]))
         again = rerun(json.loads(json.dumps(result.manifest)))
         assert np.array_equal(again.result.data, result.data)
         assert again.differences == ()
@@ -137,7 +138,7 @@ def test_connections_with_all_that_they_may_have(chain: Any, mock: Any) -> None:
 
 def test_algebraic_loops_are_solved_in_the_same_way() -> None:
     system = systems()["observer-pd"].build()
-    result = run(system, stop_time=1, step=0.1, solve_loops=LoopSolver("newton", tolerance=1e-3))
+    result = run(system, stop_time=1, step=0.1, method=CoSimulation(loops=LoopSolver("newton", tolerance=1e-3)))
     again = rerun(result.manifest)
     assert again.result.manifest["settings"]["solve_loops"] == result.manifest["settings"]["solve_loops"]
     assert np.array_equal(again.result.data, result.data)
@@ -159,7 +160,7 @@ class Operator(Hook):
 def test_what_ground_tools_commanded_is_commanded_again() -> None:
     system = systems()["observer-pd"].build()
     changes = [(0.4, "controller.k_p", 9.0), (0.7, "controller.k_v", 1.0)]
-    result = run(system, stop_time=1, step=0.1, watchers=[Operator()], changes=changes)
+    result = run(system, stop_time=1, step=0.1, hooks=[Changes(changes), Operator()])
     manifest = json.loads(json.dumps(result.manifest))
     again = rerun(manifest)
     assert np.array_equal(again.result.data, result.data)
@@ -175,7 +176,7 @@ def test_what_ground_tools_commanded_is_commanded_again() -> None:
 
 
 def test_a_hook_of_which_the_manifest_says_nothing_is_named() -> None:
-    result = run(systems()["observer-pd"].build(), stop_time=1, step=0.1, watchers=[Hook()])
+    result = run(systems()["observer-pd"].build(), stop_time=1, step=0.1, hooks=[Hook()])
     assert rerun(result.manifest).differences == (
         "Hook took part in the run, and what that did is not in the manifest",
     )

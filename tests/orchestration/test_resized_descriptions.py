@@ -7,7 +7,7 @@ import zipfile
 import numpy as np
 import pytest
 
-from adcs import CoupledModel, linearize, run
+from adcs import CoupledModel, ModelExchange, linearize, run
 from orchestration.single import single
 
 SIZE = (
@@ -54,6 +54,6 @@ def test_event_indicators(resizable):
     system = single(resizable, {"n": 3, "x": [1.0, 1.0, 1.0]})
     with CoupledModel(system, 0.0, fmi_version="3.0") as model:
         assert model.indicators(0.0, np.array([1.0, 2.0, 3.0])).tolist() == [0.5, 1.5, 2.5]
-    result = run(system, stop_time=1.0, step=0.25, method="model-exchange", fmi_version="3.0", rtol=1e-10, atol=1e-12)
+    result = run(system, stop_time=1.0, step=0.25, method=ModelExchange(rtol=1e-10, atol=1e-12), fmi_version="3.0")
     expected = np.exp(-np.outer([0.0, 0.25, 0.5, 0.75, 1.0], [1, 2, 3]))
     np.testing.assert_allclose(result["resizable.y"], expected, rtol=1e-8)

@@ -6,13 +6,13 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from adcs import AdcsError, RunFailed, System, run
+from adcs import AdcsError, RunFailed, Save, System, run, until
 
 
 @pytest.fixture(params=["memory", "file"])
 def result(chain, request, tmp_path):
     """Of integrator, gain and source; u = 2 * (offset + t) is integrated from (0, 0, 10)."""
-    return run(chain(), stop_time=1.0, step=0.1, hdf5=None if request.param == "memory" else tmp_path / "r.h5")
+    return run(chain(), stop_time=1.0, step=0.1, save=Save(to=None if request.param == "memory" else tmp_path / "r.h5"))
 
 
 def of(system, **settings):
@@ -57,9 +57,9 @@ def test_it_is_like_a_dict(result):
 
 
 def test_a_result_without_variables_is_one_all_the_same(chain):
-    nothing = of(chain(), record=[])
+    nothing = of(chain(), save=Save([]))
     assert nothing and len(nothing) == 0
-    assert nothing == of(chain(), record=[])
+    assert nothing == of(chain(), save=Save([]))
     assert repr(nothing) == "<Result of chain: 11 rows, 0 to 1 s; no variables; complete>"
     with pytest.raises(AdcsError, match=r"^there is nothing to plot: no variable was recorded$"):
         nothing.plot()
@@ -84,7 +84,7 @@ def test_elements_of_matrices_and_of_other_types(mock, tmp_path, to_file, versio
     system = System("typed")
     system.add("typed", mock("typed", version))
     record = [*system.outputs(), "typed.matrix"]
-    result = run(system, stop_time=1, step=0.5, record=record, hdf5=tmp_path / "r.h5" if to_file else None)
+    result = run(system, stop_time=1, step=0.5, save=Save(record, to=tmp_path / "r.h5" if to_file else None))
     for name in result:
         whole = result[name]
         for index in np.ndindex(whole.shape[1:]):
@@ -95,8 +95,8 @@ def test_elements_of_matrices_and_of_other_types(mock, tmp_path, to_file, versio
 
 def test_equality(chain, tmp_path):
     result = of(chain())
-    assert result == of(chain()) == of(chain(), hdf5=tmp_path / "r.h5")
-    assert of(chain(), hdf5=tmp_path / "s.h5") == result
+    assert result == of(chain()) == of(chain(), save=Save(to=tmp_path / "r.h5"))
+    assert of(chain(), save=Save(to=tmp_path / "s.h5")) == result
     assert result == result.select(result.names[::-1])
     assert result != result.select(["gain.y"])
     assert result != run(chain(), stop_time=0.9, step=0.1)
@@ -128,7 +128,7 @@ def test_a_result_as_a_table(result):
 
 
 def test_how_a_run_ended_is_said(chain, faulty):
-    assert repr(of(chain(), until="source.y[1] > 1.45")).endswith("; complete, source.y[1] > 1.45 at 0.5 s>")
+    assert repr(of(chain(), hooks=[until("source.y[1] > 1.45")])).endswith("; complete, source.y[1] > 1.45 at 0.5 s>")
     with pytest.raises(RunFailed) as failed:
         run(faulty("2.0", 1), stop_time=1.0, step=0.1)
     told = "failed, wheel at 0.5 s: doStep returned error: the wheel is stuck"

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import scipy.io
 
-from adcs import AdcsError, System, run
+from adcs import AdcsError, ModelExchange, Save, System, run
+from orchestration.running.parts import parts
 
 
 @pytest.fixture
@@ -25,7 +26,7 @@ def test_access_by_name(result, mock):
         result["gain.z"]
     system = System("typed")
     system.add("typed", mock("typed"))
-    one = run(system, stop_time=1, step=0.5, record=["typed.y", "typed.matrix"])
+    one = run(system, stop_time=1, step=0.5, save=Save(["typed.y", "typed.matrix"]))
     assert one["typed.y"].shape == (3,)
     assert one["typed.matrix"].shape == (3, 2, 3)
     assert one.unit("typed.y") is None
@@ -52,7 +53,7 @@ def test_csv_keeps_every_digit(result, tmp_path):
 def test_csv_header_of_matrices_and_of_variables_without_unit(mock, tmp_path):
     system = System("typed")
     system.add("typed", mock("typed"))
-    run(system, stop_time=1, step=1, record=["typed.matrix", "typed.y"]).write_csv(tmp_path / "r.csv")
+    run(system, stop_time=1, step=1, save=Save(["typed.matrix", "typed.y"])).write_csv(tmp_path / "r.csv")
     with (tmp_path / "r.csv").open() as file:
         header = next(csv.reader(file))
     assert header[1:3] == ["typed.matrix[1,1][-]", "typed.matrix[1,2][-]"]
@@ -72,7 +73,7 @@ def test_mat_names_are_valid_and_distinct(mock, tmp_path):
     for name in ("time", "1st wheel", "1st-wheel", "_"):
         system.add(name, mock("oscillator"), {"u": 0.0, "a": 2.0})
     names = [f"{c}.{v}" for c in system.components for v in ("position", "der(a)")]
-    run(system, stop_time=1, step=1, record=names).write_mat(tmp_path / "result.mat")
+    run(system, stop_time=1, step=1, save=Save(names)).write_mat(tmp_path / "result.mat")
     file = scipy.io.loadmat(tmp_path / "result.mat", simplify_cells=True)
     assert {n for n in file if not n.startswith("__")} == {
         "time",
@@ -87,7 +88,7 @@ def test_mat_names_are_valid_and_distinct(mock, tmp_path):
 
 
 def test_manifest_repeats_the_run(mock, chain, tmp_path):
-    result = run(chain(), start_time=1.0, stop_time=2.0, step=0.1, method="model-exchange", rtol=1e-9)
+    result = run(chain(), start_time=1.0, stop_time=2.0, step=0.1, method=ModelExchange(rtol=1e-9))
     result.write_manifest(tmp_path / "manifest.json")
     manifest = json.loads((tmp_path / "manifest.json").read_text())
     assert manifest["system"]["name"] == "chain"
@@ -108,4 +109,4 @@ def test_manifest_repeats_the_run(mock, chain, tmp_path):
         again.add(name, component["fmu"], component["start"])
     for source, target in manifest["system"]["connections"]:
         again.connect(source, target)
-    assert np.array_equal(run(again, **manifest["settings"]).data, result.data)
+    assert np.array_equal(run(again, **parts(manifest["settings"])[0]).data, result.data)

@@ -9,19 +9,33 @@ import mocks
 import numpy as np
 import pytest
 
-from adcs import AdcsError, Session, System, estimate_error, run, steps
+from adcs import (
+    AdcsError,
+    CoSimulation,
+    ModelExchange,
+    Save,
+    Session,
+    System,
+    at,
+    checkpoint,
+    estimate_error,
+    inputs,
+    run,
+    steps,
+    until,
+)
 from adcs.cli import app as cli
 from adcs.library.thakur.observer.systems import observer_pd
 from hil_bridge.hil.flying import check
 
 STEPPINGS = ("compiled", "python")
-ME = {"method": "model-exchange"}
+ME = ModelExchange()
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_integrals_end_where_they_should(chain, version, stepping):
     """y = 2 (offset + t), held over each step and integrated: the last part is 0.05 s long."""
-    result = run(chain(version), stop_time=0.35, step=0.1, stepping=stepping, fmi_version=version)
+    result = run(chain(version), stop_time=0.35, step=0.1, method=CoSimulation(stepping=stepping), fmi_version=version)
     assert result.time.tolist() == [0.0, 0.1, 0.2, 0.1 * 3, 0.35]
     held = [2 * (1 + t) for t in (0.0, 0.1, 0.2, 0.3)]
     expected = np.cumsum([0.0, *np.multiply(held, [0.1, 0.1, 0.1, 0.05])])
@@ -34,7 +48,7 @@ def test_integrals_end_where_they_should(chain, version, stepping):
 def test_its_length_and_where_it_starts(foreign, version, stepping):
     system = System("alone")
     system.add("c", foreign("punctual", version))
-    result = run(system, start_time=0.7, stop_time=1.56, step=0.1, stepping=stepping)
+    result = run(system, start_time=0.7, stop_time=1.56, step=0.1, method=CoSimulation(stepping=stepping))
     assert result.time[-2:] == pytest.approx([1.5, 1.56])
     assert result["c.step_seen"][-3:] == pytest.approx([0.1, 0.1, 0.06])
     assert result["c.off"][-1] <= 3
@@ -76,7 +90,7 @@ def test_slow_components_hold(mock, version, stepping, every):
     system.add("source", mock("source", version), every=every)
     system.add("gain", mock("gain", version))
     system.connect("source.y", "gain.u")
-    result = run(system, stop_time=0.55, step=0.1, stepping=stepping, fmi_version=version)
+    result = run(system, stop_time=0.55, step=0.1, method=CoSimulation(stepping=stepping), fmi_version=version)
     times = every * 0.1 * (np.arange(6) // every)
     assert result["source.y"][:, 0] == pytest.approx([*times, times[-1]])
     assert result["gain.doubled"][:, 0] == pytest.approx(2 * np.array([*times, times[-1]]))
@@ -90,7 +104,7 @@ def test_what_is_delayed_arrives_at_points_of_the_grid(mock, version, stepping, 
     system.add("source", mock("source", version), {"offset": [1.0, 1.0, 1.0]})
     system.add("gain", mock("gain", version), {"u": [0.0, 0.0, 0.0]})
     system.connect("source.y", "gain.u", **delay)
-    result = run(system, stop_time=0.45, step=0.1, stepping=stepping, fmi_version=version)
+    result = run(system, stop_time=0.45, step=0.1, method=CoSimulation(stepping=stepping), fmi_version=version)
     late = round(delay.get("delay", 0.0) / 0.1) or delay["delay_steps"]
     left = [1.0 + 0.1 * (k - late) if k >= late else 0.0 for k in range(5)]
     assert result["gain.doubled"][:, 0] == pytest.approx([2 * v for v in (*left, left[-1])])
@@ -99,24 +113,26 @@ def test_what_is_delayed_arrives_at_points_of_the_grid(mock, version, stepping, 
 def test_changes_inputs_and_conditions_at_the_end(mock, tmp_path):
     system = System("driven")
     system.add("integrator", mock("integrator"), {"u": [1.0, 1.0, 1.0]})
-    result = run(system, stop_time=0.25, step=0.1, changes=[(0.25, "integrator.u", [5, 5, 5])], record=["integrator.u"])
+    result = run(
+        system, stop_time=0.25, step=0.1, hooks=[at(0.25, {"integrator.u": [5, 5, 5]})], save=Save(["integrator.u"])
+    )
     assert result["integrator.u"][:, 0].tolist() == [1.0, 1.0, 1.0, 5.0]
     with pytest.raises(AdcsError, match=r"at 0.22 s lies between two communication points: use 0.2 or 0.25 s$"):
-        run(system, stop_time=0.25, step=0.1, changes=[(0.22, "integrator.u", [5, 5, 5])])
+        run(system, stop_time=0.25, step=0.1, hooks=[at(0.22, {"integrator.u": [5, 5, 5]})])
     with pytest.raises(AdcsError, match=r"at 0.3 s lies outside the run, 0 to 0.25 s$"):
-        run(system, stop_time=0.25, step=0.1, changes=[(0.3, "integrator.u", [5, 5, 5])])
+        run(system, stop_time=0.25, step=0.1, hooks=[at(0.3, {"integrator.u": [5, 5, 5]})])
     open_ = System("open")
     open_.add("integrator", mock("integrator"))
     (tmp_path / "u.csv").write_text("time,integrator.u[1],integrator.u[2],integrator.u[3]\n0,0,0,0\n1,1,1,1\n")
-    result = run(open_, stop_time=0.25, step=0.1, inputs=tmp_path / "u.csv", record=["integrator.u"])
+    result = run(open_, stop_time=0.25, step=0.1, hooks=[inputs(tmp_path / "u.csv")], save=Save(["integrator.u"]))
     assert result["integrator.u"][:, 0] == pytest.approx([0.0, 0.1, 0.2, 0.25])
-    result = run(system, stop_time=0.25, step=0.1, until="integrator.y[1] > 0.24")
+    result = run(system, stop_time=0.25, step=0.1, hooks=[until("integrator.y[1] > 0.24")])
     assert result.manifest["outcome"]["met"]["time"] == 0.25
 
 
 @pytest.mark.parametrize("every", [2, 3, 100])
 def test_its_row_is_written_whatever_rows_are_left_out(chain, every):
-    result = run(chain(), stop_time=0.95, step=0.1, record_every=every)
+    result = run(chain(), stop_time=0.95, step=0.1, save=Save(every=every))
     assert result.time == pytest.approx([*(np.arange(0, 10, every) * 0.1), 0.95])
 
 
@@ -124,7 +140,7 @@ def test_the_checkpoint_is_that_before_it(foreign, version, tmp_path):
     system = System("alone")
     system.add("c", foreign("picky", version), {"u": 1.0, "longest": 1.0})
     whole = run(system, stop_time=1.0, step=0.1)
-    run(system, stop_time=0.55, step=0.1, checkpoint=tmp_path / "state.npz", checkpoint_every=0.3)
+    run(system, stop_time=0.55, step=0.1, hooks=[checkpoint(tmp_path / "state.npz", every=0.3)])
     rest = run(system, stop_time=1.0, step=0.1, resume=tmp_path / "state.npz")
     assert rest.time[0] == 0.5
     assert rest["c.x"].tolist() == whole["c.x"][5:].tolist()
@@ -143,14 +159,14 @@ def test_steps_and_sessions(chain):
 def test_adaptive_steps_too(foreign, version):
     system = System("alone")
     system.add("c", foreign("picky", version), {"u": 1.0, "longest": 1.0})
-    result = run(system, stop_time=0.35, step=0.1, adaptive=1e-3, record=["c.x"])
+    result = run(system, stop_time=0.35, step=0.1, method=CoSimulation(adaptive=1e-3), save=Save(["c.x"]))
     assert result["c.x"] == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.35])
 
 
 def test_one_differential_equation_ends_anywhere(mock):
     system = System("swing")
     system.add("oscillator", mocks.build("oscillator", mock("oscillator").parent), {"u": 0.0})
-    result = run(system, stop_time=1.2345, step=0.5, **ME)
+    result = run(system, stop_time=1.2345, step=0.5, method=ME)
     assert result.time.tolist() == [0.0, 0.5, 1.0, 1.2345]
     assert result["oscillator.position"] == pytest.approx(np.cos(result.time), abs=1e-9)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from adcs import RunFailed, System, run
+from adcs import CoSimulation, RunFailed, Save, System, run
 
 STEPPINGS = ("compiled", "python")
 
@@ -25,7 +25,13 @@ def grown(mock, version, source, target):
 def test_a_value_that_becomes_infinite_on_the_way(mock, version, stepping, source, target, named):
     """From an array to an array, or from one element to another."""
     with pytest.raises(RunFailed) as error:
-        run(grown(mock, version, source, target), stop_time=1.0, step=0.25, stepping=stepping, record=["gain.y"])
+        run(
+            grown(mock, version, source, target),
+            stop_time=1.0,
+            step=0.25,
+            method=CoSimulation(stepping=stepping),
+            save=Save(["gain.y"]),
+        )
     text = str(error.value)
     assert text.startswith(f"gain failed at t = 0.25 s: u[2] = inf does not fit type Float64, it comes from {named};")
 
@@ -38,5 +44,5 @@ def test_a_message_of_the_component_that_names_an_input(mock, version, stepping)
     system.add("gain", mock("gain", version), {"k": 1e9})
     system.connect("source.y", "gain.u")
     with pytest.raises(RunFailed) as error:
-        run(system, stop_time=4.0, step=0.5, stepping=stepping)
+        run(system, stop_time=4.0, step=0.5, method=CoSimulation(stepping=stepping))
     assert "u is too large for this gain (u comes from source.y); " in str(error.value)

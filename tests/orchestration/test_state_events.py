@@ -12,11 +12,11 @@ import event_fmus
 import numpy as np
 import pytest
 
-from adcs import AdcsError, RunFailed, System, run
+from adcs import AdcsError, ModelExchange, RunFailed, System, run
 from orchestration.coupled import solution
 from orchestration.coupled.crossing import first_crossing
 
-ME = {"method": "model-exchange"}
+ME = ModelExchange()
 # how far event times may be off: the integrator's own error, at 1e-10 and 1e-12
 SOLVERS = [("DOP853", 1e-10, 1e-12), ("CVode", 1e-12, 1e-9)]
 
@@ -58,7 +58,7 @@ def heights(times, bounces, g=9.81, e=0.7, h=1.0):
 
 
 def settings(solver):
-    return {**ME, "solver": solver["solver"], "rtol": solver["rtol"]}
+    return {"method": ModelExchange(solver["solver"], rtol=solver["rtol"])}
 
 
 @pytest.mark.parametrize("lift", [True, False])  # False: the indicator is zero after the event, and leaves it again
@@ -74,12 +74,12 @@ def test_a_ball_bounces_at_the_exact_times(single, version, solver, lift):
 
 
 def test_both_versions_agree_to_the_last_bit(single):
-    two, three = (run(single("bouncing_ball", v), stop_time=2.5, step=0.5, **ME) for v in ("2.0", "3.0"))
+    two, three = (run(single("bouncing_ball", v), stop_time=2.5, step=0.5, method=ME) for v in ("2.0", "3.0"))
     assert np.array_equal(two.data, three.data)
 
 
 def test_a_ball_comes_to_rest(single, version):
-    result = run(single("bouncing_ball", version, {"rest": 0.1}), stop_time=5, step=0.5, **ME)
+    result = run(single("bouncing_ball", version, {"rest": 0.1}), stop_time=5, step=0.5, method=ME)
     assert result["c.bounces"][-1] == 11
     assert result["c.speed"][-1] == 0.0
     assert result["c.height"][-1] == pytest.approx(0.0, abs=1e-300)
@@ -88,7 +88,7 @@ def test_a_ball_comes_to_rest(single, version):
 @pytest.mark.parametrize(("version", "name"), [("2.0", "DOP853"), ("3.0", "CVode")])
 def test_infinitely_many_bounces_end_in_one_line(single, version, name):
     with pytest.raises(RunFailed) as error:
-        run(single("bouncing_ball", version), stop_time=5, step=0.5, **ME, solver=name)
+        run(single("bouncing_ball", version), stop_time=5, step=0.5, method=ModelExchange(name))
     end = bounce_times(2000)[-1]
     assert error.value.result.time[-1] == 2.5
     outcome = error.value.result.manifest["outcome"]
@@ -113,7 +113,7 @@ def test_a_relay_switches_at_the_exact_times(single, version, solver):
 
 def test_a_row_at_an_event_holds_the_values_after_it(single, version):
     """With g = 2 and e = 1/2 the bounces are at 1, 2, 2.5, 2.75."""
-    result = run(single("bouncing_ball", version, {"g": 2.0, "e": 0.5}), stop_time=2.75, step=0.25, **ME)
+    result = run(single("bouncing_ball", version, {"g": 2.0, "e": 0.5}), stop_time=2.75, step=0.25, method=ME)
     assert result["c.bounces"].tolist() == [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 3, 4]
     assert result["c.speed"][[4, 8, 10, 11]] == pytest.approx([1.0, 0.5, 0.25, 0.125], abs=1e-13)
     assert result["c.height"][[4, 8, 10, 11]] == pytest.approx(np.zeros(4), abs=1e-13)
@@ -121,7 +121,7 @@ def test_a_row_at_an_event_holds_the_values_after_it(single, version):
 
 @pytest.mark.parametrize("period", [0.5, 0.3, 0.1, 1 / 3, 0.7])
 def test_time_events_are_hit_exactly(single, version, period):
-    result = run(single("stair", version, {"period": period}), stop_time=2.1, step=0.1, **ME)
+    result = run(single("stair", version, {"period": period}), stop_time=2.1, step=0.1, method=ME)
     assert result["c.late"].tolist() == [0.0] * 22  # not by one unit in the last place
     assert result["c.counter"].tolist() == np.floor(result.time / period + 1e-6).tolist()
 
@@ -129,7 +129,7 @@ def test_time_events_are_hit_exactly(single, version, period):
 def test_a_time_event_and_a_state_event_at_once(single, event_folder, version):
     system = single("bouncing_ball", version, {"g": 2.0, "e": 0.5})
     system.add("stair", event_fmus.build("stair", event_folder, version), {"period": 1.0})
-    result = run(system, stop_time=2.25, step=0.75, **ME)
+    result = run(system, stop_time=2.25, step=0.75, method=ME)
     assert result["c.bounces"].tolist() == [0, 0, 1, 2]
     assert result["stair.counter"].tolist() == [0, 0, 1, 2]
     assert result["stair.late"].tolist() == [0.0] * 4
@@ -145,7 +145,7 @@ def test_values_pass_through_all_components_at_an_event(single, event_folder, ve
     for source, target in (("c.bounces", "first.n"), ("first.more", "second.n"), ("first.odd", "second.enable")):
         system.connect(source, target)
     system.connect("c.last", "second.level")
-    result = run(system, stop_time=2.5, step=0.5, **ME)
+    result = run(system, stop_time=2.5, step=0.5, method=ME)
     assert result["first.odd"].tolist() == [0, 0, 1, 1, 0, 1]
     # x' = bounces + 1/2
     assert result["first.total"] == pytest.approx([0, 0.25, 0.5, 1.25, 2.0, 3.25], abs=1e-13)
@@ -160,7 +160,7 @@ def test_simultaneous_events_are_one(single, event_folder, version):
     system.add("twin", event_fmus.build("bouncing_ball", event_folder, version))
     system.add("tally", event_fmus.build("tally", event_folder, version), {"enable": True, "level": 0.0, "u": 0.0})
     system.connect("twin.bounces", "tally.n")
-    result = run(system, stop_time=2, step=0.5, **ME)
+    result = run(system, stop_time=2, step=0.5, method=ME)
     assert np.array_equal(result["c.last"], result["twin.last"])
     assert np.array_equal(result["c.height"], result["twin.height"])
     bounces = result["c.bounces"]
@@ -179,25 +179,25 @@ def test_crossings_there_and_back_within_a_step(single, version, solver):
 
 def test_that_looking_into_steps_is_what_finds_them(single, monkeypatch):
     monkeypatch.setattr(solution, "_LOOKS", 1)
-    result = run(single("peaks"), stop_time=20, step=20, **ME)
+    result = run(single("peaks"), stop_time=20, step=20, method=ME)
     assert result["c.rises"][-1] < 3
 
 
 def test_indicators_without_continuous_states(single, version):
-    result = run(single("wave", version), stop_time=10, step=0.5, **ME)
+    result = run(single("wave", version), stop_time=10, step=0.5, method=ME)
     assert result["c.crossings"][-1] == 4  # from 0 to above, and at pi, 2 pi, 3 pi
     assert result["c.last"][-1] == pytest.approx(3 * np.pi, abs=2e-15)
 
 
 def test_zero_belongs_to_the_negative_side(single, version):
-    result = run(single("ramp", version), stop_time=5, step=0.3125, **ME)
+    result = run(single("ramp", version), stop_time=5, step=0.3125, method=ME)
     assert result["c.events"][-1] == 2  # 1 -> 0 is one, 0 -> negative is none, negative -> positive is one
     assert result["c.sum"][-1] == pytest.approx(1.0 + 4.0, abs=2e-15)
 
 
 def test_nominal_values_scale_the_tolerance(single, version, solver):
     """A state of the size 1e-9 is integrated as accurately as one of the size 1, if its nominal value says so."""
-    chosen = {**ME, "solver": solver["solver"], "rtol": 1e-6, "atol": 1e-6, "stop_time": 5, "step": 5}
+    chosen = {"stop_time": 5, "step": 5, "method": ModelExchange(solver["solver"], rtol=1e-6, atol=1e-6)}
     exact = 1e-9 * np.exp(-5)
 
     def error(nominal, **more):
@@ -243,7 +243,7 @@ def test_an_error_is_not_tried_again(single, version, solver):
 
 def test_states_that_change_dimension_are_refused(single):
     with pytest.raises(AdcsError, match=r"^c: it has 3 continuous states, but 1 in its modelDescription\.xml: states"):
-        run(single("growing", "3.0", {"more": 2}), stop_time=1, step=0.5, **ME)
+        run(single("growing", "3.0", {"more": 2}), stop_time=1, step=0.5, method=ME)
 
 
 def test_clocks_are_refused(event_folder, tmp_path):
@@ -259,12 +259,12 @@ def test_clocks_are_refused(event_folder, tmp_path):
     with pytest.raises(
         AdcsError, match=r"^c \(clocked\.fmu\) has clocks \(tick\), .*: it has none, export it with event mode$"
     ):
-        run(system, stop_time=1, step=0.5, **ME)
+        run(system, stop_time=1, step=0.5, method=ME)
 
 
 def test_an_event_that_does_not_settle(single, version):
     with pytest.raises(AdcsError, match="the event does not settle in 100 iterations: c keep changing"):
-        run(single("restless", version), stop_time=1, step=0.5, **ME)
+        run(single("restless", version), stop_time=1, step=0.5, method=ME)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,8 @@ import event_fmus
 import numpy as np
 import pytest
 
-from adcs import AdcsError, System, run, steps
+import adcs
+from adcs import AdcsError, CoSimulation, ModelExchange, Save, System, run, steps
 from orchestration.grid import Grid
 
 STEPPINGS = ("compiled", "python")
@@ -39,7 +40,13 @@ def test_no_step_leads_beyond_the_stop_time_told(foreign, version, stepping, sta
     """The component refuses it to the last bit, by the time it is told and by the time that it adds up itself."""
     if stepping == "python" and stop - start > 5000 * step:
         pytest.skip("the same as compiled, and slow")
-    result = run(alone(foreign("punctual", version)), start_time=start, stop_time=stop, step=step, stepping=stepping)
+    result = run(
+        alone(foreign("punctual", version)),
+        start_time=start,
+        stop_time=stop,
+        step=step,
+        method=CoSimulation(stepping=stepping),
+    )
     assert result.time[-1] == pytest.approx(stop, abs=2 * ulp(stop))
     assert result["c.step_seen"][-1] == step  # to the last bit, in all steps alike
     assert result["c.off"][-1] <= 3  # units in the last place: roundings of t_k, of t_(k-1), and of their step
@@ -79,8 +86,8 @@ def test_adaptive_sub_steps_neither(foreign, version):
         alone(foreign("picky", version), {"u": 1.0, "longest": 1.0}),
         stop_time=1.3,
         step=0.1,
-        adaptive=1e-3,
-        record=["c.x"],
+        method=CoSimulation(adaptive=1e-3),
+        save=Save(["c.x"]),
     )
     assert result["c.x"][-1] == pytest.approx(1.3)
 
@@ -92,7 +99,7 @@ def test_steps_retried_in_halves_neither(foreign, version):
 
 def test_a_resumed_run_is_told_none(foreign, version, tmp_path):
     system = alone(foreign("picky", version), {"u": 1.0, "longest": 1.0})
-    run(system, stop_time=0.7, step=0.1, checkpoint=tmp_path / "state.npz")
+    run(system, stop_time=0.7, step=0.1, hooks=[adcs.checkpoint(tmp_path / "state.npz")])
     result = run(system, stop_time=1.3, step=0.1, resume=tmp_path / "state.npz")
     assert result["c.x"][-1] == pytest.approx(1.3)
 
@@ -103,7 +110,7 @@ def test_model_exchange_sets_no_time_beyond(tmp_path, version, solver, start, st
     """The bouncing ball looks for events ahead of the last point, and integrates up to it."""
     system = alone(event_fmus.build("bouncing_ball", tmp_path, version))
     times = {"start_time": start, "stop_time": stop, "step": step}
-    result = run(system, **times, method="model-exchange", solver=solver, rtol=1e-8)
+    result = run(system, **times, method=ModelExchange(solver, rtol=1e-8))
     assert result["c.bounces"][-1] >= 1
 
 
@@ -113,7 +120,9 @@ def test_events_announced_for_communication_points_are_handled_there(foreign, st
     """Rounding brings t + h before or after k h; the event belongs to the row."""
     period = 0.1
     system = alone(foreign("bouncer"), {"level": 1e9, "period": period})
-    result = run(system, start_time=start, stop_time=start + 40 * period, step=period, stepping=stepping)
+    result = run(
+        system, start_time=start, stop_time=start + 40 * period, step=period, method=CoSimulation(stepping=stepping)
+    )
     assert np.diff(result["c.hits"]).tolist() == [1] * 40
 
 

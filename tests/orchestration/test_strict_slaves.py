@@ -7,9 +7,11 @@ import foreign_fmus
 import numpy as np
 import pytest
 
-from adcs import AdcsError, RunFailed, Session, System, run
+import adcs
+from adcs import AdcsError, CoSimulation, RunFailed, Save, Session, System, run
 from orchestration.instances.instance import Instance
 from orchestration.running.change import Change
+from orchestration.running.hooks.changes import Changes
 
 Foreign = Callable[..., Path]
 STEPPINGS = ["compiled", "python"]
@@ -47,7 +49,13 @@ def failed(system, **settings):
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_what_depends_on_no_input_is_fetched_first(foreign, version, stepping):
     """x' of a is b.x + 1, x' of b is a.x, by Euler."""
-    result = run(ring(foreign(version)), stop_time=0.3, step=0.1, stepping=stepping, record=["a.x", "b.x"])
+    result = run(
+        ring(foreign(version)),
+        stop_time=0.3,
+        step=0.1,
+        method=CoSimulation(stepping=stepping),
+        save=Save(["a.x", "b.x"]),
+    )
     assert result["a.x"] == pytest.approx([0.0, 0.1, 0.2, 0.301], abs=1e-15)
     assert result["b.x"] == pytest.approx([0.0, 0.0, 0.01, 0.03], abs=1e-15)
 
@@ -58,15 +66,15 @@ def test_a_component_that_feeds_nothing_is_read_first_too(foreign, version, step
     for name in "ab":
         system.add(name, foreign(version), {"v": 0.0} | ({"u": 1.0} if name == "a" else {}))
     system.connect("a.x", "b.u")
-    result = run(system, stop_time=0.3, step=0.1, stepping=stepping, record=["b.x"])
+    result = run(system, stop_time=0.3, step=0.1, method=CoSimulation(stepping=stepping), save=Save(["b.x"]))
     assert result["b.x"] == pytest.approx([0.0, 0.0, 0.01, 0.03], abs=1e-15)
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_changes_that_no_row_shows_are_made_after_it(foreign, version, stepping):
     changes = [(0.0, "c.u", 2.0), (0.125, "c.v", 8.0), (0.125, "c.u", 3.0), (0.125, "c.u", 0.0), (0.5, "c.u", 9.0)]
-    settings = {"stop_time": 0.5, "step": 0.125, "stepping": stepping, "record": ["c.x"]}
-    result = run(alone(foreign(version)), changes=changes, **settings)
+    settings = {"stop_time": 0.5, "step": 0.125, "method": CoSimulation(stepping=stepping), "save": Save(["c.x"])}
+    result = run(alone(foreign(version)), hooks=[Changes(changes)], **settings)
     assert result["c.x"].tolist() == [0.0, 0.25, 1.25, 2.25, 3.25]
     assert result.time.tolist() == [0.0, 0.125, 0.25, 0.375, 0.5]
 
@@ -74,20 +82,25 @@ def test_changes_that_no_row_shows_are_made_after_it(foreign, version, stepping)
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_changes_around_a_last_step_that_is_shorter(foreign, version, stepping):
     changes = [(0.25, "c.u", 2.0), (0.375, "c.u", 4.0), (0.4375, "c.u", 5.0)]
-    settings = {"stop_time": 0.4375, "step": 0.125, "stepping": stepping, "record": ["c.x"]}
-    result = run(alone(foreign(version)), changes=changes, **settings)
+    settings = {"stop_time": 0.4375, "step": 0.125, "method": CoSimulation(stepping=stepping), "save": Save(["c.x"])}
+    result = run(alone(foreign(version)), hooks=[Changes(changes)], **settings)
     assert result["c.x"].tolist() == [0.0, 0.125, 0.25, 0.5, 0.75]
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_when_a_change_is_made_makes_no_difference(foreign, version, stepping, monkeypatch):
     """For an FMU that takes both, to the last bit, whatever else happens at the points."""
-    settings = {"stop_time": 1.03, "step": 0.1, "stepping": stepping, "record": ["c.x", "c.unsaid"], "record_every": 3}
+    settings = {
+        "stop_time": 1.03,
+        "step": 0.1,
+        "method": CoSimulation(stepping=stepping),
+        "save": Save(["c.x", "c.unsaid"], every=3),
+    }
     changes = [(0.1 * k, "c.u" if k % 3 else "c.v", 0.3 * k) for k in range(11)]
     rows = []
     for shows in (Session.shows, lambda self, name: True):
         monkeypatch.setattr(Session, "shows", shows)
-        rows.append(run(alone(foreign(version), lenient=1.0), changes=changes, **settings).data)
+        rows.append(run(alone(foreign(version), lenient=1.0), hooks=[Changes(changes)], **settings).data)
     assert np.array_equal(*rows)
     assert len(rows[0]) == 5
 
@@ -107,34 +120,41 @@ def test_which_changes_come_after_their_row(foreign, version):
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_inputs_come_from_a_table_after_what_does_not_depend_on_them(foreign, version, stepping, tmp_path):
     (tmp_path / "u.csv").write_text("time,c.u\n0,0\n1,8\n")
-    settings = {"stop_time": 0.5, "step": 0.125, "stepping": stepping, "record": ["c.x"]}
-    result = run(alone(foreign(version)), inputs=tmp_path / "u.csv", **settings)
+    settings = {"stop_time": 0.5, "step": 0.125, "method": CoSimulation(stepping=stepping), "save": Save(["c.x"])}
+    result = run(alone(foreign(version)), hooks=[adcs.inputs(tmp_path / "u.csv")], **settings)
     assert result["c.x"].tolist() == [0.0, 0.0, 0.125, 0.375, 0.75]
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_a_change_ends_no_run_that_is_to_be_saved_or_stopped(foreign, version, stepping, tmp_path):
-    settings = {"step": 0.125, "stepping": stepping, "record": ["c.x"]}
+    settings = {"step": 0.125, "method": CoSimulation(stepping=stepping), "save": Save(["c.x"])}
     changes = [(0.25, "c.u", 2.0), (0.375, "c.u", 4.0)]
-    result = run(alone(foreign(version)), stop_time=1.0, until="c.x >= 0.5", changes=changes, **settings)
+    result = run(alone(foreign(version)), stop_time=1.0, hooks=[Changes(changes), adcs.until("c.x >= 0.5")], **settings)
     assert result["c.x"].tolist() == [0.0, 0.125, 0.25, 0.5]
-    whole = run(alone(foreign(version), lenient=1.0), stop_time=0.5, changes=changes, **settings)
+    whole = run(alone(foreign(version), lenient=1.0), stop_time=0.5, hooks=[Changes(changes)], **settings)
     saved = tmp_path / "state.npz"
-    run(alone(foreign(version), lenient=1.0), stop_time=0.25, changes=changes[:1], checkpoint=saved, **settings)
-    rest = run(alone(foreign(version), lenient=1.0), stop_time=0.5, changes=changes, resume=saved, **settings)
+    run(
+        alone(foreign(version), lenient=1.0),
+        stop_time=0.25,
+        hooks=[Changes(changes[:1]), adcs.checkpoint(saved)],
+        **settings,
+    )
+    rest = run(alone(foreign(version), lenient=1.0), stop_time=0.5, hooks=[Changes(changes)], resume=saved, **settings)
     assert rest["c.x"].tolist() == whole["c.x"].tolist()[2:]
 
 
 def test_adaptive_steps_read_every_point_once(foreign, version):
-    result = run(ring(foreign(version)), stop_time=0.5, step=0.125, adaptive=1e-4, record=["a.x", "b.x"])
+    result = run(
+        ring(foreign(version)), stop_time=0.5, step=0.125, method=CoSimulation(adaptive=1e-4), save=Save(["a.x", "b.x"])
+    )
     assert result["a.x"][-1] == pytest.approx(np.sinh(0.5), rel=1e-3)
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_a_refusal_says_what_was_tried(foreign, version, stepping):
     """An output that depends on an input directly is fetched after it was set; there is no other way."""
-    settings = {"stop_time": 0.3, "step": 0.1, "stepping": stepping}
-    text = failed(ring(foreign(version)), record=["a.x", "b.w"], **settings)
+    settings = {"stop_time": 0.3, "step": 0.1, "method": CoSimulation(stepping=stepping)}
+    text = failed(ring(foreign(version)), save=Save(["a.x", "b.w"]), **settings)
     assert text == (
         f"b failed at t = 0 s: getting w {REFUSED}u{RULE}, but by its ModelStructure w depends on them: leave it out "
         "of what is recorded (--record), or use an FMU that takes it; 0 rows are kept"
@@ -142,16 +162,16 @@ def test_a_refusal_says_what_was_tried(foreign, version, stepping):
     system = ring(foreign(version))
     system.add("c", foreign(version), {"v": 0.0})
     system.connect("b.w", "c.u")
-    text = failed(system, record=["c.x"], **settings)
+    text = failed(system, save=Save(["c.x"]), **settings)
     assert f"getting x, w {REFUSED}u{RULE}, but by its ModelStructure w depends on them: connect others, or" in text
 
 
 @pytest.mark.parametrize("stepping", STEPPINGS)
 def test_a_refusal_names_what_was_changed(foreign, version, stepping):
-    settings = {"stop_time": 0.3, "step": 0.1, "stepping": stepping}
-    text = failed(alone(foreign(version)), changes=[(0.1, "c.gain", 2.0)], record=["c.x"], **settings)
+    settings = {"stop_time": 0.3, "step": 0.1, "method": CoSimulation(stepping=stepping)}
+    text = failed(alone(foreign(version)), hooks=[Changes([(0.1, "c.gain", 2.0)])], save=Save(["c.x"]), **settings)
     assert text == f"c failed at t = 0.1 s: getting x {REFUSED}gain{RULE}; 1 rows are kept"
-    text = failed(alone(foreign(version)), changes=[(0.1, "c.u", 2.0)], record=["c.x", "c.w"], **settings)
+    text = failed(alone(foreign(version)), hooks=[Changes([(0.1, "c.u", 2.0)])], save=Save(["c.x", "c.w"]), **settings)
     assert f"getting x, w {REFUSED}u{RULE}, but by its ModelStructure w depends on them: leave it out" in text
 
 
@@ -167,7 +187,9 @@ def test_what_is_set_step_by_step_is_set_after_the_point(foreign, version):
 
 def test_reading_after_setting_would_be_seen(foreign, version, monkeypatch):
     monkeypatch.setattr(Session, "shows", lambda self, name: True)
-    text = failed(alone(foreign(version)), changes=[(0.1, "c.u", 2.0)], record=["c.x"], stop_time=0.3, step=0.1)
+    text = failed(
+        alone(foreign(version)), hooks=[Changes([(0.1, "c.u", 2.0)])], save=Save(["c.x"]), stop_time=0.3, step=0.1
+    )
     assert text.startswith(f"c failed at t = 0.1 s: getting x {REFUSED}u{RULE}")
 
 
@@ -175,4 +197,10 @@ def test_saying_that_no_step_is_gone_back_behind_would_be_seen(foreign, version,
     """An FMU may forget what it needs for that, if it is told so."""
     monkeypatch.setattr(Instance, "never_returns", True)
     with pytest.raises(AdcsError, match="a state is restored that would not be any more"):
-        run(ring(foreign(version)), stop_time=0.5, step=0.125, adaptive=1e-4, record=["a.x", "b.x"])
+        run(
+            ring(foreign(version)),
+            stop_time=0.5,
+            step=0.125,
+            method=CoSimulation(adaptive=1e-4),
+            save=Save(["a.x", "b.x"]),
+        )

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scipy.io
 
-from adcs import AdcsError, System, run
+from adcs import AdcsError, CoSimulation, System, run
 from adcs.cli.app import app
 from orchestration.fmu.file import open_fmu
 from orchestration.single import single
@@ -24,7 +24,12 @@ def square(foreign):
 @pytest.mark.parametrize("stepping", ["compiled", "python"])
 def test_two_that_are_valid_only_together(square, stepping):
     u = np.arange(9.0).reshape(3, 3)
-    result = run(single(square, {"rows": 3, "columns": 3, "u": u}), stop_time=0.1, step=0.1, stepping=stepping)
+    result = run(
+        single(square, {"rows": 3, "columns": 3, "u": u}),
+        stop_time=0.1,
+        step=0.1,
+        method=CoSimulation(stepping=stepping),
+    )
     assert result["square.y"].tolist() == [u.tolist()] * 2
     assert result["square.entered"].tolist() == [1, 1]  # configuration mode, once
     with pytest.raises(AdcsError, match=r"^square: setting rows = 3 returned error: rows and columns must be equal$"):
@@ -101,7 +106,7 @@ def test_arrays_of_size_0(square, stepping, tmp_path):
         system.add(name, square, {"rows": 0, "columns": 0})
     system.connect("a.y", "b.u")
     system.connect("b.y", "a.u", delay_steps=2)
-    result = run(system, stop_time=0.2, step=0.1, stepping=stepping)
+    result = run(system, stop_time=0.2, step=0.1, method=CoSimulation(stepping=stepping))
     assert result["b.y"].shape == (3, 0, 0)
     assert result["b.entered"].tolist() == [1, 1, 1]
     result.write_csv(tmp_path / "result.csv")

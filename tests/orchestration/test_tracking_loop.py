@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from adcs import run, steps
+from adcs import CoSimulation, ModelExchange, Save, run, steps
 from adcs.library.thakur.observer import settings
 from adcs.library.thakur.observer.systems import full_state_pd, observer_pd
+from orchestration.running.method import method_of
 
 STATES = ("plant.q_BN", "plant.omega_BN_B", "observer.q_EN", "observer.omega_EN_E")
 
@@ -22,13 +23,13 @@ def C_(q):
 
 @pytest.fixture(scope="module")
 def truth():
-    return run(observer_pd(), stop_time=10, step=0.1, method="model-exchange")
+    return run(observer_pd(), stop_time=10, step=0.1, method=ModelExchange())
 
 
 def test_compiled_and_python_and_both_versions_agree_to_the_last_bit():
     noise = {"half_angle": 0.01, "redraw_period": 0.05}
     results = [
-        run(observer_pd(**noise), stop_time=2, step=0.01, stepping=stepping, fmi_version=version)
+        run(observer_pd(**noise), stop_time=2, step=0.01, method=CoSimulation(stepping=stepping), fmi_version=version)
         for stepping in ("compiled", "python")
         for version in ("2.0", "3.0")
     ]
@@ -38,14 +39,14 @@ def test_compiled_and_python_and_both_versions_agree_to_the_last_bit():
 
 
 def test_coupled_versions_agree_to_the_last_bit(truth):
-    other = run(observer_pd(), stop_time=10, step=0.1, method="model-exchange", fmi_version="3.0")
+    other = run(observer_pd(), stop_time=10, step=0.1, method=ModelExchange(), fmi_version="3.0")
     assert np.array_equal(other.data, truth.data)
 
 
 def test_coupled_is_converged(truth):
-    finer = run(observer_pd(), stop_time=10, step=0.1, method="model-exchange", rtol=1e-13, atol=1e-15)
+    finer = run(observer_pd(), stop_time=10, step=0.1, method=ModelExchange(rtol=1e-13, atol=1e-15))
     assert np.abs(finer.data - truth.data).max() < 1e-11
-    cvode = run(observer_pd(), stop_time=10, step=0.1, method="model-exchange", solver="CVode")
+    cvode = run(observer_pd(), stop_time=10, step=0.1, method=ModelExchange("CVode"))
     assert np.abs(cvode.data - truth.data).max() < 1e-5
 
 
@@ -83,7 +84,14 @@ def test_units_come_with_the_values(truth):
 @pytest.mark.parametrize("step", [0.05, 0.1, 0.03])
 def test_noise_is_drawn_at_the_same_instants_by_both_methods(step):
     noise = {"half_angle": 0.01, "redraw_period": 0.1}
-    settings = {"stop_time": round(3 / step) * step, "step": step, "record": ["tracker.tilt_versine"]}
-    one, other = (run(observer_pd(**noise), method=m, **settings) for m in ("co-simulation", "model-exchange"))
+    settings = {"stop_time": round(3 / step) * step, "step": step, "save": Save(["tracker.tilt_versine"])}
+    one, other = (
+        run(
+            observer_pd(**noise),
+            method=method_of(m),
+            **settings,
+        )
+        for m in ("co-simulation", "model-exchange")
+    )
     assert np.array_equal(one["tracker.tilt_versine"], other["tracker.tilt_versine"])
     assert len(np.unique(one["tracker.tilt_versine"])) == 31

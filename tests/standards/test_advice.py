@@ -2,9 +2,11 @@
 
 import pytest
 
+import adcs
 import fmus
-from adcs import AdcsError, LoopSolver, System, run
+from adcs import AdcsError, CoSimulation, ModelExchange, System, run
 from orchestration.fmu.file import open_fmu
+from orchestration.running.hooks.changes import Changes
 from orchestration.system import checked_value
 
 from .small import changed, description3, packed
@@ -41,12 +43,14 @@ def test_what_is_set_during_a_run_outside_min_and_max_is_a_warning(tmp_path, way
     system = at_rest(controller(tmp_path, "3.0", (r'(<Float64 name="omega_BN_B")( )', r'\1 max="2"\2')))
     warning = "c.omega_BN_B[2] = 3 at 0.1 s is outside of the range its FMU is made for, -inf to 2"
     if way == "changes":
-        settings = {"changes": [(0.1, "c.omega_BN_B", [0.0, 3.0, 0.0]), (0.2, "c.omega_BN_B", [0.0, 2.0, 0.0])]}
+        settings = {
+            "hooks": [Changes([(0.1, "c.omega_BN_B", [0.0, 3.0, 0.0]), (0.2, "c.omega_BN_B", [0.0, 2.0, 0.0])])]
+        }
     else:
         table = tmp_path / "inputs.csv"
         names = ",".join(f"c.omega_BN_B[{i}]" for i in (1, 2, 3))
         table.write_text(f"time,{names}\n0,0,2,0\n0.1,0,3,0\n0.2,0,4,0\n")
-        settings = {"inputs": table}
+        settings = {"hooks": [adcs.inputs(table)]}
     assert run(system, stop_time=0.2, step=0.1, **settings).manifest["warnings"] == [warning]
 
 
@@ -63,7 +67,7 @@ def test_a_step_that_is_no_multiple_of_the_internal_one_is_a_warning(tmp_path, i
         "its values are those of another time"
     )
     assert run(system, stop_time=0.2, step=step).manifest["warnings"] == ([told] if warned else [])
-    assert run(system, stop_time=0.2, step=step, method="model-exchange").manifest["warnings"] == []
+    assert run(system, stop_time=0.2, step=step, method=ModelExchange()).manifest["warnings"] == []
 
 
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
@@ -71,10 +75,12 @@ def test_no_loop_goes_through_an_input_that_is_set_once(tmp_path, version):
     once = (r' name="omega_BN_B', ' canHandleMultipleSetPerTimeInstant="false" name="omega_BN_B')
     system = controller(tmp_path, version, once)
     system.connect("c.torque_B", "c.omega_BN_B", factor=0.1)
-    settings = {"stop_time": 0.1, "step": 0.1, "solve_loops": LoopSolver()}
-    assert len(run(system, **settings).time) == 2  # in co-simulation inputs may be set as often as one likes
+    times = {"stop_time": 0.1, "step": 0.1}
+    assert (
+        len(run(system, **times, method=CoSimulation(loops="newton")).time) == 2
+    )  # in co-simulation inputs may be set as often as one likes
     with pytest.raises(AdcsError) as error:
-        run(system, method="model-exchange", **settings)
+        run(system, **times, method=ModelExchange(loops="newton"))
     assert str(error.value).endswith(
         "cannot be solved: c.omega_BN_B may be set only once at an instant (canHandleMultipleSetPerTimeInstant), "
         "give a connection of it a delay"

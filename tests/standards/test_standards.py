@@ -23,6 +23,7 @@ import fmus
 from adcs import read_ssp, run
 from orchestration.fmu.file import open_fmu
 from orchestration.fmu.ranges import declared_ranges
+from orchestration.running.method import method_of
 from orchestration.single import single
 from orchestration.ssp import archive
 
@@ -308,6 +309,12 @@ def test_a_run_is_the_same_with_all_that_is_without_effect(version, method, tmp_
                 content = etree.tostring(root)
             new.writestr(member, content)
     one, other = (
-        run(single(path), stop_time=0.3, step=0.1, method=method) for path in (source, tmp_path / source.name)
+        run(
+            single(path),
+            stop_time=0.3,
+            step=0.1,
+            method=method_of(method),
+        )
+        for path in (source, tmp_path / source.name)
     )
     assert np.array_equal(one.data, other.data)

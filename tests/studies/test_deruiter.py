@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from adcs import AdcsError, System
+from adcs import AdcsError, ModelExchange, Save, System
 from adcs import run as run_system
 from adcs.catalogue import STUDIES, SYSTEMS
 from adcs.library.deruiter import bounded, exact, study, systems, views
@@ -148,7 +148,7 @@ def test_every_system_builds_runs_and_is_shown(name: str) -> None:
 
 def test_signals_are_those_of_the_definitions() -> None:
     """Errors at the start: 120 degrees off, and the rate less that of the reference."""
-    result = run_system(systems.bounded_errors(), stop_time=1.0, step=0.25, method="model-exchange")
+    result = run_system(systems.bounded_errors(), stop_time=1.0, step=0.25, method=ModelExchange())
     run = signals(result)
     assert run.norms[ATTITUDE][0] == pytest.approx(np.sin(np.radians(60)))
     assert run.norms[ATTITUDE_ESTIMATE].max() <= 1e-3
@@ -162,7 +162,7 @@ def test_signals_are_those_of_the_definitions() -> None:
 
 def test_the_disturbance_stays_within_its_bound() -> None:
     system = systems.bounded_errors()
-    result = run_system(system, stop_time=600.0, step=2.0, record=["disturbance.torque_B"])
+    result = run_system(system, stop_time=600.0, step=2.0, save=Save(["disturbance.torque_B"]))
     torque = np.linalg.norm(result["disturbance.torque_B"], axis=1)
     assert 0.9e-3 < torque.max() <= 1e-3 * (1 + 1e-12)
 

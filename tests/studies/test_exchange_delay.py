@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from adcs import run
+from adcs import Save, run
 from adcs.library.velocity_free.systems import stabilisation
 
 
@@ -11,7 +11,7 @@ def rates(step: float, steps: int) -> np.ndarray:
     system = stabilisation()
     if steps:
         system.delay("plant.torque_B", steps=steps)
-    result = run(system, stop_time=100.0, step=step, record=["plant.omega_BN_B"])
+    result = run(system, stop_time=100.0, step=step, save=Save(["plant.omega_BN_B"]))
     return np.linalg.norm(result["plant.omega_BN_B"], axis=1)
 
 
@@ -30,5 +30,5 @@ def test_at_50_ms_both_are_stable():
 def test_a_delay_in_seconds_is_the_same():
     system = stabilisation()
     system.delay("plant.torque_B", seconds=0.1)
-    result = run(system, stop_time=10.0, step=0.1, record=["plant.omega_BN_B"])
+    result = run(system, stop_time=10.0, step=0.1, save=Save(["plant.omega_BN_B"]))
     assert np.array_equal(np.linalg.norm(result["plant.omega_BN_B"], axis=1), rates(0.1, 1)[:101])

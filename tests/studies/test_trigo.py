@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from adcs import System, run
+from adcs import Save, System, run
 from adcs.catalogue import STUDIES, SYSTEMS
 from adcs.library.outcome import Row
 from adcs.library.trigo import study, views
@@ -38,7 +38,7 @@ def full(which: Run, reading: Reading) -> Metrics:
     """One full run and its measures."""
     system = build(which.controller, which.scenario, reading, which.rate)
     step = exchange_step(which.scenario, reading, which.rate)
-    result = run(system, stop_time=1100.0, step=step, record=recorded(system))
+    result = run(system, stop_time=1100.0, step=step, save=Save(recorded(system)))
     return measure(result, stride(step, which.rate))
 
 

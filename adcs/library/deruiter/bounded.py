@@ -24,6 +24,8 @@ from adcs.library.deruiter.systems import RECORD, RECORD_ERRORS, RECORD_OBSERVER
 from adcs.library.outcome import Outcome, Row, Runner, claims_table, verdict
 from orchestration.results.plots import Guide, Panel
 from orchestration.results.report import KeyNumber, Table
+from orchestration.running.method import ModelExchange
+from orchestration.running.save import Save
 from orchestration.system import System
 
 OUTPUT_STEP = 0.25  # s
@@ -68,9 +70,9 @@ def run_count(choices: Choices) -> int:
 
 def bounded(run: Runner, choices: Choices) -> Outcome:
     """Run every case, and two without adaptation for comparison."""
-    settings = {"stop_time": choices.stop_time, "step": OUTPUT_STEP, "method": "model-exchange"}
+    settings = {"stop_time": choices.stop_time, "step": OUTPUT_STEP, "method": ModelExchange()}
     found = cases(choices)
-    runs = {c.label: signals(run(c.label, c.system, record=c.record, **settings)) for c in found}
+    runs = {c.label: signals(run(c.label, c.system, save=Save(c.record), **settings)) for c in found}
     outcome = Outcome()
     for group in (EXACT, ERRORS, OBSERVER):
         members = [c for c in found if c.group == group]
@@ -80,7 +82,7 @@ def bounded(run: Runner, choices: Choices) -> Outcome:
         ERRORS: bounded_errors(choices, dead_zone=NO_ADAPTATION),
     }
     still = {
-        group: signals(run(f"{group.lower()}, without adaptation", system, record=RECORD, **settings))
+        group: signals(run(f"{group.lower()}, without adaptation", system, save=Save(RECORD), **settings))
         for group, system in resting.items()
     }
     return outcome + _without_adaptation(found, runs, still, choices)

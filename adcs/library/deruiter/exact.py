@@ -16,6 +16,8 @@ from adcs.library.deruiter.systems import RECORD, exact_states
 from adcs.library.outcome import Outcome, Row, Runner, claims_table, verdict
 from orchestration.results.plots import Panel, Series
 from orchestration.results.result import Result
+from orchestration.running.method import ModelExchange
+from orchestration.running.save import Save
 
 GROUP = "Exact states, no disturbance"
 RUNS = 2
@@ -28,7 +30,7 @@ Array = NDArray[np.float64]
 
 def exact(run: Runner, choices: Choices) -> tuple[Outcome, dict[str, Signals]]:
     """Run the law as it is and with fast adaptation; returns the outcome and the runs."""
-    settings = {"stop_time": STRETCH * STRETCHES, "step": OUTPUT_STEP, "method": "model-exchange", "record": RECORD}
+    settings = {"stop_time": STRETCH * STRETCHES, "step": OUTPUT_STEP, "method": ModelExchange(), "save": Save(RECORD)}
     fast = replace(choices, gamma=choices.fast * choices.gamma, gamma_p=choices.fast * choices.gamma_p)
     names = {"adaptation as chosen": choices, f"adaptation {choices.fast:g} times faster": fast}
     results = {name: run(f"exact states, {name}", exact_states(c), **settings) for name, c in names.items()}

@@ -27,7 +27,9 @@ from adcs.library.six_dof.systems import RECORD, saturated, six_dof
 from orchestration.results.plots import Guide
 from orchestration.results.report import KeyNumber, Table
 from orchestration.results.result import Result
+from orchestration.running.method import ModelExchange
 from orchestration.running.run import run as run_system
+from orchestration.running.save import Save
 
 TITLE = "Orbit and attitude at once, without any velocity measurement: Pan, Wong, Kapila"
 SUMMARY = (
@@ -37,7 +39,7 @@ SUMMARY = (
     "set beside what the components compute; with unlimited actuators, with limited ones, and in SI units, as printed."
 )
 FREE, LIMITED, PRINTED = "scaled units, no limits", "scaled units, limited", "SI units, as printed"
-COUPLED: dict[str, Any] = {"method": "model-exchange", "rtol": 1e-10, "atol": 1e-9, "record": RECORD}
+COUPLED: dict[str, Any] = {"method": ModelExchange(rtol=1e-10, atol=1e-9), "save": Save(RECORD)}
 """An absolute tolerance below 1e-9 m asks for more than positions of 7e6 m can hold in double precision."""
 OUTPUT_STEP, SHORT_STEP, SHORT_STOP = 0.5, 0.05, 60.0  # s
 STEPS = (1.0, 0.5, 0.2, 0.1)  # s, of the exchange
@@ -164,7 +166,7 @@ def _exchange_step(runner: Runner, choices: Choices, coupled: Signals) -> Outcom
     cells: list[list[object]] = []
     for step in STEPS:
         result = runner(
-            f"co-simulation at {step:g} s", six_dof(), stop_time=choices.stop_time, step=step, record=RECORD
+            f"co-simulation at {step:g} s", six_dof(), stop_time=choices.stop_time, step=step, save=Save(RECORD)
         )
         run_ = signals(result, MASS)
         same = np.isin(run_.time.round(6), coupled.time.round(6))

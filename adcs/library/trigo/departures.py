@@ -10,6 +10,7 @@ from adcs.library.trigo.printed import Cell, Run, cells
 from adcs.library.trigo.settings import AS_MADE, AS_PRINTED, Choices, Reading
 from adcs.library.trigo.systems import build, exchange_step, recorded, stride
 from orchestration.results.report import Table
+from orchestration.running.save import Save
 
 TABLE_TITLE = "Departures from the text, one by one"
 
@@ -91,7 +92,7 @@ def departures(run: Runner, choices: Choices) -> Table:
                 system,
                 stop_time=choices.stop_time,
                 step=step,
-                record=recorded(system),
+                save=Save(recorded(system)),
             )
             values.append(cell.rounded(cell.of({departure.run: measure(result, stride(step, rate))})))
         rows.append([departure.text, departure.made, departure.kind, f"{cell.table}, {cell.label}", cell.text, *values])

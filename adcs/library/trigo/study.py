@@ -29,6 +29,7 @@ from adcs.library.trigo.views import GROUPS, reference_panels, scenario_panels, 
 from orchestration.results.report import KeyNumber, Table
 from orchestration.results.result import Result, RunFailed
 from orchestration.running.run import run as run_system
+from orchestration.running.save import Save
 
 TITLE = "Five backstepping attitude controllers of a micro-satellite"
 SUMMARY = (
@@ -107,7 +108,7 @@ def _simulate(run: Runner, which: Run, reading: Reading, choices: Choices, figur
     system = build(which.controller, which.scenario, reading, which.rate)
     label = f"{CONTROLLERS[which.controller]}, {which.scenario}, {which.rate:g} Hz, {reading.name}"
     step = exchange_step(which.scenario, reading, which.rate)
-    return run(label, system, stop_time=choices.stop_time, step=step, record=recorded(system, figures))
+    return run(label, system, stop_time=choices.stop_time, step=step, save=Save(recorded(system, figures)))
 
 
 def _grouped(all_cells: list[Cell]) -> list[tuple[str, list[Cell]]]:
@@ -165,7 +166,7 @@ def _divergence(run: Runner, choices: Choices, controller: str, scenario: Scenar
     system = build(controller, scenario, AS_MADE, 5.0, reduced_gains=False)  # type: ignore[arg-type]
     label = f"{CONTROLLERS[controller]}, {scenario}, 5 Hz, gains of 10 Hz"  # type: ignore[index]
     try:
-        result = run(label, system, stop_time=choices.stop_time, step=0.2, record=recorded(system))
+        result = run(label, system, stop_time=choices.stop_time, step=0.2, save=Save(recorded(system)))
         worst = measure(result).worst["scanning"][0]
         ours, holds = f"pointing error up to {worst / 3600:.3g} deg while scanning", worst > 3600
     except RunFailed as failed:

@@ -23,6 +23,8 @@ from adcs.library.velocity_free.signals import (
 )
 from orchestration.results.plots import Guide
 from orchestration.results.report import KeyNumber, Table
+from orchestration.running.method import ModelExchange
+from orchestration.running.save import Save
 from orchestration.system import System
 
 OUTPUT_STEP = 0.05  # s
@@ -69,8 +71,8 @@ def problem(run: Runner, choices: Choices, which: Problem) -> Outcome:
         which.ideal(),
         stop_time=choices.stop_time,
         step=OUTPUT_STEP,
-        method="model-exchange",
-        record=systems.RECORD,
+        method=ModelExchange(),
+        save=Save(systems.RECORD),
     )
     ideal = signals(result)
     every = max(1, round(OUTPUT_STEP / choices.step))
@@ -81,7 +83,7 @@ def problem(run: Runner, choices: Choices, which: Problem) -> Outcome:
                 which.uncertain(uncertainty(choices, i)),
                 stop_time=choices.stop_time,
                 step=choices.step,
-                record=systems.RECORD_UNCERTAIN,
+                save=Save(systems.RECORD_UNCERTAIN),
             ),
             every,
         )
@@ -185,7 +187,9 @@ def measurement_error(run: Runner, choices: Choices) -> Outcome:
         start = Uncertainty(hold, 1.0, choices.seed).tracker | {"q_BN": (1.0, 0.0, 0.0, 0.0)}
         system.add("tracker", "RandomWalkStarTracker", start)
         stop = np.ceil(choices.stop_time)
-        result = run(f"measurement error, hold {hold:g} s", system, stop_time=stop, step=hold, record=["tracker.q_EB"])
+        result = run(
+            f"measurement error, hold {hold:g} s", system, stop_time=stop, step=hold, save=Save(["tracker.q_EB"])
+        )
         size = np.linalg.norm(result["tracker.q_EB"][:, 1:], axis=1)
         out = np.flatnonzero(size > ERROR_BOUND)
         largest[hold] = float(size.max())
@@ -224,7 +228,7 @@ def disturbance(run: Runner, choices: Choices) -> Outcome:
                 system,
                 stop_time=stop,
                 step=step,
-                record=["environment.torque_B"],
+                save=Save(["environment.torque_B"]),
             )
             sizes[stop] = float(np.linalg.norm(result["environment.torque_B"], axis=1).max())
         cells.append([mass, *sizes.values()])

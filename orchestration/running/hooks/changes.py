@@ -10,23 +10,34 @@ from typing import Any
 import numpy as np
 
 from fmus.errors import AdcsError
+from orchestration import expected
 from orchestration.running.change import Change
-from orchestration.running.hook import MOST, Hook, Outline, Watched
+from orchestration.running.hook import MOST, Hook, Watched
 from orchestration.running.hooks.ranges import outside_range
+from orchestration.running.outline import Outline
 from orchestration.running.simulation import Simulation
 from orchestration.system import System, Value, checked_value
+from orchestration.times import Seconds
 
 
 class Changes(Hook):
     """Unconnected inputs and tunable parameters get values at times (s) that are communication points."""
 
-    def __init__(self, changes: Sequence[tuple[float, str, Value]]) -> None:
+    repeatable = True
+
+    def __init__(self, changes: Sequence[tuple[Seconds, str, Value]]) -> None:
         """`changes` are times, names `component.variable` and values."""
-        self._given = list(changes)
+        self._given = [(expected.seconds("at: time", time), n, v) for time, n, v in changes]
 
     def for_manifest(self) -> Mapping[str, Any]:
         """Return what the manifest has to know to repeat it."""
         return {"changes": [[time, name, _plain(value)] for time, name, value in self._given]}
+
+    @classmethod
+    def of_manifest(cls, settings: dict[str, Any]) -> list[Hook]:
+        """Take what `for_manifest` gave out of the settings of a manifest."""
+        changes = settings.pop("changes", [])
+        return [cls(changes)] if changes else []
 
     def prepare(self, outline: Outline) -> None:
         """Find the points of the times."""
@@ -35,7 +46,8 @@ class Changes(Hook):
             if change.k < outline.first:
                 begins = outline.grid.time(outline.first)
                 raise AdcsError(f"the change of {name} at {time:g} s lies before the checkpoint, {begins:g} s")
-        _refuse_two_names(outline.system, changes)
+        outline.changes += changes
+        _refuse_two_names(outline.system, outline.changes)
         outline.warnings.extend(text for _, text in outside_range(outline.system, self._flat(outline.system)))
         self._pending = sorted(changes, key=lambda change: change.k)
 
@@ -59,6 +71,12 @@ class Changes(Hook):
     def ahead(self, k: int) -> int:
         """Go on to the next one."""
         return self._pending[0].k - k if self._pending else MOST
+
+
+def at(time: Seconds, values: Mapping[str, Value]) -> Changes:
+    """Set unconnected inputs and tunable parameters, by name, at a time [s] that is a communication point."""
+    expected.by_name("at: values", values)
+    return Changes([(time, name, value) for name, value in values.items()])
 
 
 def _refuse_two_names(system: System, changes: Sequence[Change]) -> None:

@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.errors import AdcsError
+from orchestration import expected
 from orchestration.fmu.number_types import BEYOND, EXACT, first_beyond, first_misfit
 from orchestration.plan.lowering import Floats
-from orchestration.plan.outside import Source
-from orchestration.running.hook import Hook, Outline
+from orchestration.running.hook import Hook, listed
 from orchestration.running.hooks.ranges import outside_range
 from orchestration.running.hooks.tables import read_table, whole_column
+from orchestration.running.outline import Outline
 from orchestration.system import System
 
 
@@ -128,19 +129,32 @@ def _known(system: System, text: str) -> tuple[str, str | None]:
 
 
 class Inputs(Hook):
-    """Unconnected inputs follow a CSV table."""
+    """Unconnected inputs follow a CSV table: columns `time` [s] and `component.variable`."""
+
+    repeatable = True
 
     def __init__(self, path: str | Path) -> None:
-        self._path = path
+        expected.path("inputs", path)
+        self._path = Path(path)
 
     def for_manifest(self) -> Mapping[str, Any]:
         """Return what the manifest has to know to repeat it."""
         return {"inputs": str(self._path)}
 
+    @classmethod
+    def of_manifest(cls, settings: dict[str, Any]) -> list[Hook]:
+        """Take what `for_manifest` gave out of the settings of a manifest."""
+        return [cls(path) for path in listed(settings.pop("inputs", []))]
+
     def prepare(self, outline: Outline) -> None:
         """Read the table."""
-        self.source: Source | None = (table := Table.from_csv(outline.system, Path(self._path)))
+        table = Table.from_csv(outline.system, self._path)
+        outline.sources.append(table)
+        outline.files["-".join(["inputs", *([str(n)] if (n := len(outline.sources)) > 1 else [])])] = self._path
         first: dict[Any, str] = {}
         for element, text in outside_range(outline.system, table.rows()):
             first.setdefault(element, text)  # of each element once
         outline.warnings.extend(first.values())
+
+
+inputs = Inputs

@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 
 from fmus.errors import AdcsError
+from orchestration import expected
 from orchestration.grid import Grid
-from orchestration.running.hook import Hook, Outline, Watched
+from orchestration.running.hook import Hook, Watched
+from orchestration.running.outline import Outline
 from orchestration.running.simulation import Simulation
 
 _NAP = 60.0  # s; longer ones are more than some systems sleep
@@ -66,12 +68,21 @@ class Clock:
 class Pace(Hook):
     """The run keeps to real time, or is `speed` times as fast."""
 
+    repeatable = True
+
     def __init__(self, speed: float = 1.0) -> None:
+        expected.number("pace: speed", speed)
         self._speed = speed
 
     def for_manifest(self) -> Mapping[str, Any]:
-        """Return what the manifest has to know to repeat it."""
+        """Return what the manifest is to have of it."""
         return {"real_time": self._speed}
+
+    @classmethod
+    def of_manifest(cls, settings: dict[str, Any]) -> list[Hook]:
+        """Take what `for_manifest` gave out of the settings of a manifest: a run is not repeated at its pace."""
+        settings.pop("real_time", None)
+        return []
 
     def prepare(self, outline: Outline) -> None:
         """Refuse a speed that is none."""
@@ -79,6 +90,8 @@ class Pace(Hook):
 
     def begin(self, simulation: Simulation, hooks: Sequence[Hook], watched: Watched) -> None:
         """Let the present point be now."""
+        if sum(isinstance(hook, Pace) for hook in hooks) > 1:
+            raise AdcsError("pace: a run has one, leave the others out")
         self._clock.start(simulation.k)
 
     def ahead(self, k: int) -> int:
@@ -88,3 +101,6 @@ class Pace(Hook):
     def report(self) -> Mapping[str, Any]:
         """Return how late points were taken."""
         return {"real_time": self._clock.report()}
+
+
+pace = Pace

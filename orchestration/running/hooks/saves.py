@@ -8,12 +8,15 @@ from functools import partial
 from pathlib import Path
 
 from fmus.errors import AdcsError
+from orchestration import expected
 from orchestration.grid import whole_steps
-from orchestration.running import checkpoint
+from orchestration.running import checkpoint as file
 from orchestration.running.adaptive import AdaptiveSession
-from orchestration.running.hook import MOST, Hook, Outline, Watched
+from orchestration.running.hook import MOST, Hook, Watched
+from orchestration.running.outline import Outline
 from orchestration.running.session import Session
 from orchestration.running.simulation import Simulation
+from orchestration.times import Seconds
 
 
 class Saves(Hook):
@@ -22,9 +25,13 @@ class Saves(Hook):
     A file that cannot be written does not end the run: one line on stderr says so at once, and `notes` at the end.
     """
 
-    def __init__(self, path: str | Path, every: float | None = None) -> None:
+    repeatable = True
+
+    def __init__(self, path: str | Path, every: Seconds | None = None) -> None:
         """`every` is in s of simulated time."""
-        self._path, self._seconds = Path(path), every
+        expected.path("checkpoint", path)
+        self._path = Path(path)
+        self._seconds = None if every is None else expected.seconds("checkpoint: every", every)
         self._every: int | None = None
         self._one_by_one = False
         self._missing: list[float] = []  # s, times of those that could not be written
@@ -32,27 +39,29 @@ class Saves(Hook):
 
     def prepare(self, outline: Outline) -> None:
         """Refuse what is no time."""
-        if outline.kind != "co-simulation":
+        if outline.method.kind != "co-simulation":
             raise AdcsError(
                 "checkpoint: not with model-exchange, whose integrator has a memory of its own that cannot be saved"
             )
         if self._seconds is not None:
             if not self._seconds > 0:
-                raise AdcsError(f"checkpoint_every = {self._seconds:g} s: expected a positive time")
-            self._every = whole_steps(self._seconds, outline.grid.step, "checkpoint_every")
+                raise AdcsError(f"checkpoint: every = {self._seconds:g} s: expected a positive time")
+            self._every = whole_steps(self._seconds, outline.grid.step, "checkpoint: every")
+        outline.may_go_on = True
+        outline.about["checkpoint"] = {"path": str(self._path), "every": self._seconds}
 
     def begin(self, simulation: Simulation, hooks: Sequence[Hook], watched: Watched) -> None:
         """Refuse by name what cannot be saved, or not then."""
         if isinstance(simulation, AdaptiveSession) or not isinstance(simulation, Session):
             raise AdcsError("checkpoint: not together with adaptive exchange steps, whose choice it does not hold")
         self._simulation, self._watched = simulation, watched
-        checkpoint.check(simulation, self._path)
+        file.check(simulation, self._path)
         self._one_by_one = any(hook.ends for hook in hooks)  # the state has to be that of the row that meets it
         if self._one_by_one and any(component.every > 1 for component in simulation.system.components.values()):
             raise AdcsError("checkpoint: not together with until, where a component communicates at some points only")
         for k in (simulation.grid.full, *([] if self._every is None else [self._every])):
-            if not checkpoint.aligned(simulation, k):
-                raise checkpoint.not_aligned(simulation, k)
+            if not file.aligned(simulation, k):
+                raise file.not_aligned(simulation, k)
 
     def ahead(self, k: int) -> int:
         """Go on to the next point at which to save."""
@@ -74,13 +83,13 @@ class Saves(Hook):
         if simulation.k > simulation.grid.full and not simulation.shorter_due and simulation.grid.shorter:
             return
         k = min(simulation.k, simulation.grid.full)
-        if checkpoint.aligned(simulation, k):  # it was interrupted, if not
+        if file.aligned(simulation, k):  # it was interrupted, if not
             self._save(k)
 
     def _save(self, k: int) -> None:
-        content = self._watched(partial(checkpoint.content, self._simulation, k))
+        content = self._watched(partial(file.content, self._simulation, k))
         try:
-            checkpoint.write(content, self._path)
+            file.write(content, self._path)
         except AdcsError as error:
             if not self._trouble:
                 self._trouble = str(error)
@@ -94,3 +103,6 @@ class Saves(Hook):
             return []
         times = ", ".join([f"{time:.9g}" for time in self._missing[:3]] + ["..."] * (len(self._missing) > 3))
         return [f"no checkpoint at t = {times} s: {self._trouble}"]
+
+
+checkpoint = Saves

@@ -19,7 +19,7 @@ import numpy as np
 import scipy.io
 from hostile import adcs, as_file, start, system, until
 
-from adcs import AdcsError, Result, RunFailed, run
+from adcs import AdcsError, CoSimulation, ModelExchange, Result, RunFailed, Save, run
 from benchmarks import loop
 from orchestration.isolation import journal
 from orchestration.isolation.journal import Journal
@@ -67,7 +67,7 @@ def deaths(folder: Path) -> Iterator[str]:
                 yield _judged(name, lambda m=made, v=version: run(m, **TIMES, isolated=True, fmi_version=v))
     for deed in DEATHS:
         made = system(_mock(folder), f"{deed}_setTime")
-        yield _judged(f"{deed}_setTime", lambda m=made: run(m, **TIMES, isolated=True, method="model-exchange"))
+        yield _judged(f"{deed}_setTime", lambda m=made: run(m, **TIMES, isolated=True, method=ModelExchange()))
 
 
 def hangs(folder: Path) -> Iterator[str]:
@@ -75,10 +75,10 @@ def hangs(folder: Path) -> Iterator[str]:
         for call in CALLS:
             name = f"{deed}_{call}"
             made = system(_mock(folder), name)
-            yield _judged(name, lambda m=made: run(m, **TIMES, isolated=True, timeout=1.0))
+            yield _judged(name, lambda m=made: run(m, **TIMES, isolated=True, method=CoSimulation(timeout=1.0)))
         made = system(_mock(folder), f"{deed}_setTime")
         yield _judged(
-            f"{deed}_setTime", lambda m=made: run(m, **TIMES, isolated=True, method="model-exchange", timeout=1.0)
+            f"{deed}_setTime", lambda m=made: run(m, **TIMES, isolated=True, method=ModelExchange(timeout=1.0))
         )
 
 
@@ -186,8 +186,8 @@ def disks(folder: Path) -> Iterator[str]:
                     )
                 path.unlink(missing_ok=True)
             for name, more in (
-                ("journal", {"journal": Journal(disk / "run.journal")}),
-                ("hdf5", {"hdf5": disk / "r.h5"}),
+                ("journal", {"save": Save(to=Journal(disk / "run.journal"))}),
+                ("hdf5", {"save": Save(to=disk / "r.h5")}),
             ):
                 result: Result | None = None
                 try:
@@ -211,7 +211,7 @@ def changes(folder: Path) -> Iterator[str]:
             made = loop.system()
             made.add(name, _mock(folder)("hostile"))
             try:
-                result = run(made, **TIMES, stepping=stepping, isolated=True)
+                result = run(made, **TIMES, method=CoSimulation(stepping=stepping), isolated=True)
             except AdcsError as error:
                 yield f"{name}: {error}"
                 continue

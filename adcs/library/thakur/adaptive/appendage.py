@@ -24,6 +24,8 @@ from adcs.library.thakur.adaptive.systems import RECORD_VARIABLE, appendage, app
 from adcs.library.thakur.choices import Choices
 from orchestration.results.plots import Panel
 from orchestration.results.report import KeyNumber, Table
+from orchestration.running.method import ModelExchange
+from orchestration.running.save import Save
 
 GROUP = "3.4.1  Deployable appendage"
 FULL = "proposed, full parametrisation"
@@ -39,15 +41,15 @@ Runs = dict[str, Track]
 def moving_appendages(run: Runner, choices: Choices) -> Outcome:
     """The statements of Sec. 3.4.1 for each reading, and the figures for the printed one."""
     record = [*RECORD_VARIABLE, "controller.mass_est"]
-    coupled = {"stop_time": settings.STOP_TIME, "step": OUTPUT_STEP, "method": "model-exchange"}
+    coupled = {"stop_time": settings.STOP_TIME, "step": OUTPUT_STEP, "method": ModelExchange()}
     rows: list[Row] = []
     read: dict[Reading, Runs] = {}
     for reading in FREQUENCIES:
-        proposed = run(f"appendage, proposed, {label(reading)}", appendage(reading), record=record, **coupled)
+        proposed = run(f"appendage, proposed, {label(reading)}", appendage(reading), save=Save(record), **coupled)
         other = run(
             f"appendage, comparison, {label(reading)}",
             comparison_appendage(reading),
-            record=RECORD_VARIABLE,
+            save=Save(RECORD_VARIABLE),
             **coupled,
         )
         read[reading] = {PROPOSED: track(proposed), COMPARISON: track(other)}
@@ -56,7 +58,7 @@ def moving_appendages(run: Runner, choices: Choices) -> Outcome:
         run(
             "appendage, full parametrisation",
             appendage_full(),
-            record=[*RECORD_VARIABLE, "controller.J_1_est"],
+            save=Save([*RECORD_VARIABLE, "controller.J_1_est"]),
             **coupled,
         )
     )

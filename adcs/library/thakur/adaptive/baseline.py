@@ -14,6 +14,8 @@ from adcs.library.thakur.adaptive.signals import ATTITUDE, RATE, TORQUE, Track, 
 from adcs.library.thakur.adaptive.systems import RECORD, baseline, comparison_baseline
 from adcs.library.thakur.choices import Choices
 from orchestration.results.report import KeyNumber
+from orchestration.running.method import ModelExchange
+from orchestration.running.save import Save
 
 GROUP = "3.4  Constant and known inertia"
 PROPOSED, COMPARISON = "proposed", "comparison"
@@ -27,7 +29,7 @@ Pair = dict[str, Track]
 
 def known_inertia(run: Runner, _: Choices) -> Outcome:
     """Fig. 3.3, and the rows that need no simulation."""
-    coupled = {"stop_time": SHOWN, "step": OUTPUT_STEP, "method": "model-exchange", "record": RECORD}
+    coupled = {"stop_time": SHOWN, "step": OUTPUT_STEP, "method": ModelExchange(), "save": Save(RECORD)}
     pair = {
         PROPOSED: track(run("proposed law, known inertia, coupled", baseline(), **coupled)),
         COMPARISON: track(run("comparison law, known inertia, coupled", comparison_baseline(), **coupled)),

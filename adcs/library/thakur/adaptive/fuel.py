@@ -27,10 +27,12 @@ from adcs.library.thakur.adaptive.systems import RECORD_VARIABLE, comparison_fue
 from adcs.library.thakur.choices import Choices
 from orchestration.results.plots import Guide, Panel, Series
 from orchestration.results.report import KeyNumber, Table
+from orchestration.running.method import ModelExchange
+from orchestration.running.save import Save
 
 GROUP = "3.4.2  Fuel loss"
 RUNS = 2 * len(FREQUENCIES) + 1
-STIFF = {"method": "model-exchange", "solver": "CVode", "rtol": 1e-8, "atol": 1e-10}
+STIFF = {"method": ModelExchange("CVode", rtol=1e-8, atol=1e-10)}
 """The loop with the printed gains is stiff: an explicit solver needs ten times as long."""
 RECORD_FUEL = (*RECORD_VARIABLE, "plant.fuel_left", "plant.torque_impulse")
 RECORD_LAW = (*RECORD_FUEL, "controller.implementability")
@@ -47,18 +49,18 @@ def losing_fuel(run: Runner, choices: Choices) -> Outcome:
     read: dict[Reading, Runs] = {}
     record = [*RECORD_LAW, "controller.sigma_est"]
     for reading in FREQUENCIES:
-        proposed = run(f"fuel, proposed, {label(reading)}", fuel(reading), record=record, **times, **STIFF)
+        proposed = run(f"fuel, proposed, {label(reading)}", fuel(reading), save=Save(record), **times, **STIFF)
         other = run(
             f"fuel, comparison, {label(reading)}",
             comparison_fuel(reading),
-            record=RECORD_FUEL,
+            save=Save(RECORD_FUEL),
             **times,
-            method="model-exchange",
+            method=ModelExchange(),
         )
         read[reading] = {PROPOSED: track(proposed), COMPARISON: track(other)}
         rows += _errors(read[reading], reading) + _law(read[reading], reading)
     record = [*RECORD_LAW, "controller.J_1_est"]
-    full = track(run("fuel, full parametrisation", fuel_full(), record=record, **times, **STIFF))
+    full = track(run("fuel, full parametrisation", fuel_full(), save=Save(record), **times, **STIFF))
     for reading, runs in read.items():
         rows += [_bounded(runs[PROPOSED], reading), *_inertia(runs, reading)]
     printed = read["printed"]

@@ -12,6 +12,8 @@ from adcs.library.thakur.adaptive.systems import RECORD, appendage, baseline, co
 from adcs.library.thakur.choices import Choices
 from orchestration.results.report import Table
 from orchestration.results.result import Result, RunFailed
+from orchestration.running.method import ModelExchange
+from orchestration.running.save import Save
 from orchestration.system import System
 
 GROUP = "Chapter 3: co-simulation against the coupled solution"
@@ -27,9 +29,9 @@ COMPARED = {
     "controller.theta_est": "θ̂ [kg·m²]",
 }
 SYSTEMS = {
-    "baseline": (baseline, {"method": "model-exchange"}),
-    "appendage": (appendage, {"method": "model-exchange"}),
-    "appendage, comparison": (comparison_appendage, {"method": "model-exchange"}),
+    "baseline": (baseline, {"method": ModelExchange()}),
+    "appendage": (appendage, {"method": ModelExchange()}),
+    "appendage, comparison": (comparison_appendage, {"method": ModelExchange()}),
     "fuel": (fuel, STIFF),
 }
 FUEL_CASES = [
@@ -46,8 +48,8 @@ def exchange_steps(run: Runner, _: Choices) -> Outcome:
     """Every loop at 1 ms and 10 ms, and the limits of the sampled law for fuel loss."""
     rows = []
     for label, (build, solution) in SYSTEMS.items():
-        times = {"stop_time": STOP_TIME, "record": RECORD}
-        exact = run(f"{label}, coupled, 100 s", build(), step=GRID, **times, **solution)  # type: ignore[arg-type]
+        times = {"stop_time": STOP_TIME, "save": Save(RECORD)}
+        exact = run(f"{label}, coupled, 100 s", build(), step=GRID, **times, **solution)
         for step in STEPS:
             result = run(f"{label}, co-simulation at {1e3 * step:g} ms", build(), step=step, **times)
             rows.append([label, 1e3 * step, *_distances(result, exact, step)])
@@ -62,7 +64,7 @@ def exchange_steps(run: Runner, _: Choices) -> Outcome:
 
 
 def _fuel_limits(run: Runner) -> Table:
-    times: dict[str, Any] = {"stop_time": FUEL_STOP_TIME, "record": RECORD}
+    times: dict[str, Any] = {"stop_time": FUEL_STOP_TIME, "save": Save(RECORD)}
     exact = run("fuel, coupled, 40 s", fuel(), step=GRID, **times, **STIFF)
     rows: list[list[object]] = []
     for step, internal in FUEL_CASES:

@@ -14,6 +14,8 @@ from adcs.library.thakur.gyro_free.signals import ANGLE, RATE, SYMBOLS, TORQUE, 
 from adcs.library.thakur.gyro_free.systems import RECORD, RECORD_GYRO_FREE, gyro_free, gyro_free_full_state
 from orchestration.results.plots import Guide, Panel
 from orchestration.results.report import KeyNumber, Table
+from orchestration.running.method import ModelExchange
+from orchestration.running.save import Save
 
 GROUP = "4.3.1  Vectors without noise"
 GYRO_FREE, FULL_STATE = "gyro-free", "full state"
@@ -27,11 +29,11 @@ Pair = Mapping[str, Motion]
 
 def noise_free(run: Runner, choices: Choices) -> Outcome:
     """Check the statements of the section one by one, and draw Figs. 4.1 and 4.2."""
-    settings = {"stop_time": choices.stop_time, "step": STEP, "method": "model-exchange"}
-    own = run("gyro-free, coupled", gyro_free(), record=[*RECORD_GYRO_FREE, "controller.P"], **settings)
-    full = run("full state on unit vectors, coupled", gyro_free_full_state(), record=RECORD, **settings)
+    settings = {"stop_time": choices.stop_time, "step": STEP, "method": ModelExchange()}
+    own = run("gyro-free, coupled", gyro_free(), save=Save([*RECORD_GYRO_FREE, "controller.P"]), **settings)
+    full = run("full state on unit vectors, coupled", gyro_free_full_state(), save=Save(RECORD), **settings)
     at_zero = gyro_free(controller={"filter_at_rest": 0})
-    zero = run("gyro-free, z(0) = 0, coupled", at_zero, record=RECORD_GYRO_FREE, **settings)
+    zero = run("gyro-free, z(0) = 0, coupled", at_zero, save=Save(RECORD_GYRO_FREE), **settings)
     pair = {GYRO_FREE: motion(own), FULL_STATE: motion(full)}
     rows = [
         _reference(),

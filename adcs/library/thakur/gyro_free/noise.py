@@ -18,6 +18,8 @@ from adcs.library.thakur.gyro_free.systems import RECORD, gyro_free, gyro_free_f
 from adcs.library.thakur.sequences import spread
 from orchestration.results.plots import Panel
 from orchestration.results.report import KeyNumber, Table
+from orchestration.running.method import ModelExchange
+from orchestration.running.save import Save
 from orchestration.system import System
 
 GROUP = "4.3.2  Vectors with noise"
@@ -87,7 +89,7 @@ def noisy(run: Runner, choices: Choices) -> Outcome:
 
 
 def _motion(run: Runner, label: str, system: System, stop_time: float) -> Motion:
-    result = run(label, system, stop_time=stop_time, step=EXCHANGE, record=RECORD)
+    result = run(label, system, stop_time=stop_time, step=EXCHANGE, save=Save(RECORD))
     return motion(result).every(round(OUTPUT_STEP / EXCHANGE))
 
 
@@ -112,10 +114,15 @@ def _coupled(run: Runner, control: str, choices: Choices) -> Motion:
         redraw_period=choices.redraw_period,
         seed=choices.seed,
     )
-    settings = {"method": "model-exchange", "rtol": 1e-7, "atol": 1e-9}
+    settings = {"method": ModelExchange(rtol=1e-7, atol=1e-9)}
     return motion(
         run(
-            f"{control}, coupled", system, stop_time=choices.rest_stop_time, step=OUTPUT_STEP, record=RECORD, **settings
+            f"{control}, coupled",
+            system,
+            stop_time=choices.rest_stop_time,
+            step=OUTPUT_STEP,
+            save=Save(RECORD),
+            **settings,
         )
     )
 

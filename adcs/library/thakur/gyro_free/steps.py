@@ -8,6 +8,8 @@ from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.gyro_free.claims import FULL_STATE, GYRO_FREE
 from adcs.library.thakur.gyro_free.systems import RECORD, gyro_free, gyro_free_full_state
 from orchestration.results.report import Table
+from orchestration.running.method import ModelExchange
+from orchestration.running.save import Save
 
 GROUP = "Chapter 4: co-simulation against the coupled solution"
 STEPS = (0.001, 0.01)  # s
@@ -21,8 +23,8 @@ def exchange_steps(run: Runner, choices: Choices) -> Outcome:
     """Both loops without noise at 1 ms and 10 ms: the largest difference from the coupled solution."""
     rows = []
     for label, build in SYSTEMS.items():
-        settings = {"stop_time": choices.stop_time, "record": RECORD}
-        exact = run(f"{label}, coupled", build(), step=GRID, method="model-exchange", **settings)
+        settings = {"stop_time": choices.stop_time, "save": Save(RECORD)}
+        exact = run(f"{label}, coupled", build(), step=GRID, method=ModelExchange(), **settings)
         for step in STEPS:
             result = run(f"{label}, co-simulation at {1e3 * step:g} ms", build(), step=step, **settings)
             every = round(GRID / step)

@@ -12,6 +12,8 @@ from adcs.library.thakur.gyro_free.signals import ANGLE, TORQUE, Motion, motion
 from adcs.library.thakur.gyro_free.systems import RECORD, gyro_free
 from orchestration.results.plots import Guide, Panel, Series
 from orchestration.results.report import KeyNumber, Table
+from orchestration.running.method import ModelExchange
+from orchestration.running.save import Save
 
 GROUP = "4.2.3  From where it converges"
 STILL = (0.0, 0.0, 0.0)
@@ -23,7 +25,7 @@ RUNS = 4
 
 def theorem(run: Runner, choices: Choices) -> Outcome:
     """Three runs from rest, turned by 180 degrees, that stay; one from just below the corrected level that does not."""
-    settings = {"step": STEP, "method": "model-exchange", "record": RECORD}
+    settings = {"step": STEP, "method": ModelExchange(), "save": Save(RECORD)}
     rests = {}
     for value, q in resting_attitudes():
         start = Start(q, STILL)

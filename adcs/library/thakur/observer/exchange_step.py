@@ -16,6 +16,8 @@ from adcs.library.thakur.observer.systems import RECORD, RECORD_OBSERVER, full_s
 from orchestration.results.plots import Panel, Series
 from orchestration.results.report import KeyNumber, Table
 from orchestration.results.result import Result
+from orchestration.running.method import ModelExchange
+from orchestration.running.save import Save
 from orchestration.system import System
 
 GROUP = "Co-simulation against the coupled solution"
@@ -42,7 +44,12 @@ def exchange_step(run: Runner, choices: Choices) -> Outcome:
     floors: list[list[object]] = []
     for label, (build, record) in SYSTEMS.items():
         exact = run(
-            f"{label}, coupled", build(), stop_time=choices.stop_time, step=GRID, method="model-exchange", record=record
+            f"{label}, coupled",
+            build(),
+            stop_time=choices.stop_time,
+            step=GRID,
+            method=ModelExchange(),
+            save=Save(record),
         )
         states = [name for name in STATES if name in exact.names]
         distance: dict[str, list[float]] = {name: [] for name in states}
@@ -53,7 +60,7 @@ def exchange_step(run: Runner, choices: Choices) -> Outcome:
                 build(),
                 stop_time=choices.stop_time,
                 step=step,
-                record=record,
+                save=Save(record),
             )
             every = round(GRID / step)
             for name in states:

@@ -22,6 +22,8 @@ from adcs.library.thakur.observer.systems import observer_inertia_error
 from orchestration.results.plots import Panel
 from orchestration.results.report import KeyNumber, Table
 from orchestration.results.result import Result
+from orchestration.running.method import ModelExchange
+from orchestration.running.save import Save
 
 GROUP = "5.4.4  Inertia errors"
 EXACT, FIRST, SECOND = "exact J", "J + ΔJ₁", "J + ΔJ₂"
@@ -71,7 +73,7 @@ def key_numbers(result: Result) -> list[KeyNumber]:
 
 def inertia_errors(run: Runner, choices: Choices) -> Outcome:
     """The observer with J, J + delta J_1 and J + delta J_2: norms, transients, residual sets."""
-    settings = {"stop_time": choices.stop_time, "step": STEP, "method": "model-exchange", "record": RECORD}
+    settings = {"stop_time": choices.stop_time, "step": STEP, "method": ModelExchange(), "save": Save(RECORD)}
     runs = {
         label: estimation(run(f"observer at zero torque, {label}", observer_inertia_error(error), **settings))
         for label, error in ERRORS.items()

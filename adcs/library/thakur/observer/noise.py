@@ -26,6 +26,8 @@ from adcs.library.thakur.observer.systems import RECORD, RECORD_OBSERVER, full_s
 from adcs.library.thakur.sequences import spread
 from orchestration.results.plots import Panel
 from orchestration.results.report import KeyNumber, Table
+from orchestration.running.method import ModelExchange
+from orchestration.running.save import Save
 from orchestration.system import System
 
 GROUP = "5.4.2  Quaternion with noise"
@@ -33,7 +35,7 @@ SMALL, LARGE = 0.05, 0.5  # deg, half-angles of the cone
 OTHER_PERIODS = (0.5, 2.0)  # s, to see what our choice of the redraw period does
 # Coupled, with an event at each draw: exchanging the torque even every millisecond would leave an error not far below
 # that of the small cone. Noise makes more digits than these meaningless.
-COUPLED = {"method": "model-exchange", "rtol": 1e-7, "atol": 1e-9}
+COUPLED = {"method": ModelExchange(rtol=1e-7, atol=1e-9)}
 OUTPUT_STEP = 0.1  # s
 CONTROLS: dict[str, tuple[Callable[..., System], tuple[str, ...]]] = {
     OBSERVER: (observer_pd, RECORD_OBSERVER),
@@ -99,7 +101,7 @@ def _draws(run: Runner, control: str, angle: float, period: float, choices: Choi
                 build(half_angle=radians(angle), redraw_period=period, seed=seed),
                 stop_time=choices.stop_time,
                 step=OUTPUT_STEP,
-                record=record,
+                save=Save(record),
                 **COUPLED,
             )
         )

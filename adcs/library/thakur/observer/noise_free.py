@@ -28,6 +28,8 @@ from adcs.library.thakur.observer.signals import (
 from adcs.library.thakur.observer.systems import RECORD, RECORD_OBSERVER, full_state_pd, observer_pd
 from orchestration.results.plots import Guide, Panel
 from orchestration.results.report import KeyNumber, Table
+from orchestration.running.method import ModelExchange
+from orchestration.running.save import Save
 
 GROUP = "5.4.1  Quaternion without noise"
 OBSERVER, FULL_STATE = "observer", "full state"
@@ -41,14 +43,14 @@ Pair = Mapping[str, Signals]
 
 def noise_free(run: Runner, choices: Choices) -> Outcome:
     """Check the statements of the section one by one, and draw Figs. 5.1 and 5.2."""
-    coupled = {"stop_time": choices.stop_time, "step": OUTPUT_STEP, "method": "model-exchange"}
-    full = signals(run("full state, coupled", full_state_pd(), record=RECORD, **coupled))
+    coupled = {"stop_time": choices.stop_time, "step": OUTPUT_STEP, "method": ModelExchange()}
+    full = signals(run("full state, coupled", full_state_pd(), save=Save(RECORD), **coupled))
     scaled = {
         scale: signals(
             run(
                 f"observer, coupled, rate estimate {scale:g} x off",
                 observer_pd(_start(scale)),
-                record=RECORD_OBSERVER,
+                save=Save(RECORD_OBSERVER),
                 **coupled,
             )
         )

@@ -21,6 +21,8 @@ from adcs.library.thakur.observer.systems import RECORD_OBSERVER, observer_pd, q
 from orchestration.results.plots import Panel, Series
 from orchestration.results.report import KeyNumber, Table
 from orchestration.results.result import Result
+from orchestration.running.method import ModelExchange
+from orchestration.running.save import Save
 
 GROUP = "5.4.3  Quaternion by QUEST"
 QUEST, DIRECT = "QUEST", "quaternion"
@@ -32,10 +34,10 @@ RUNS = 2 + len(STEPS)
 
 def quest(run: Runner, choices: Choices) -> Outcome:
     """The loop of Fig. 5.1 with QUEST in place of the quaternion: what differs, and whether the sign ever jumps."""
-    coupled = {"stop_time": choices.stop_time, "step": STEP, "method": "model-exchange"}
+    coupled = {"stop_time": choices.stop_time, "step": STEP, "method": ModelExchange()}
     record = [*RECORD_OBSERVER, "quest.q_BN_est", "quest.observability"]
-    with_quest = run("QUEST, coupled", quest_observer_pd(), record=record, **coupled)
-    direct = run("quaternion, coupled", observer_pd(), record=RECORD_OBSERVER, **coupled)
+    with_quest = run("QUEST, coupled", quest_observer_pd(), save=Save(record), **coupled)
+    direct = run("quaternion, coupled", observer_pd(), save=Save(RECORD_OBSERVER), **coupled)
     pair = {QUEST: signals(with_quest), DIRECT: signals(direct)}
     rows = []
     for name in (*ERRORS, TORQUE):
@@ -87,7 +89,7 @@ def _steps(run: Runner, exact: Result, choices: Choices) -> Table:
             quest_observer_pd(),
             stop_time=choices.stop_time,
             step=step,
-            record=list(states),
+            save=Save(list(states)),
         )
         every = round(STEP / step)
         rows.append([1e3 * step, *(float(attitude.norm(result[n][::every] - exact[n]).max()) for n in states)])

@@ -14,6 +14,7 @@ from adcs.library.thakur.observer.signals import ATTITUDE, ERRORS, RATE, SYMBOLS
 from adcs.library.thakur.observer.systems import RECORD_OBSERVER, observer_pd
 from orchestration.results.plots import Panel, Series
 from orchestration.results.report import KeyNumber, Table
+from orchestration.running.save import Save
 
 GROUP = "5.4.2  Random initial conditions"
 FIGURES = dict(zip((ATTITUDE, RATE, *ERRORS[2:], TORQUE), ("5.5", "5.5", "5.6", "5.6", "5.6"), strict=True))
@@ -21,7 +22,7 @@ FIGURES = dict(zip((ATTITUDE, RATE, *ERRORS[2:], TORQUE), ("5.5", "5.5", "5.6", 
 
 def random_starts(run: Runner, choices: Choices) -> Outcome:
     """The observer-based loop from random attitudes, rates and rate estimates: bounded, and how large in the end."""
-    settings = {**COUPLED, "stop_time": choices.stop_time, "step": OUTPUT_STEP, "record": RECORD_OBSERVER}
+    settings = {**COUPLED, "stop_time": choices.stop_time, "step": OUTPUT_STEP, "save": Save(RECORD_OBSERVER)}
     starts = draw_starts(choices)
     runs = [
         signals(run(f"random start {i + 1} of {len(starts)}", observer_pd(start, **_noise(choices, i)), **settings))  # type: ignore[arg-type]

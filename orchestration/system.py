@@ -402,7 +402,8 @@ class System:
             if self._into(end.component, end.port):
                 raise AdcsError(f"{name} is connected to {self._into(end.component, end.port)[0].source} already")
             for other in (outside[place] for place in self.places(name) if place in outside):
-                raise AdcsError(f"{name} and {other} are names of one variable: give its values from outside once")
+                twice = f"{name} gets" if name == other else f"{name} and {other} are names of one variable, which gets"
+                raise AdcsError(f"{twice} its values from outside twice: leave one of them out")
             outside.update(dict.fromkeys(self.places(name), name))
         if not self.components:
             raise AdcsError(f"system {self.name!r} has no components: add one")

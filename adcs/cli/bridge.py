@@ -19,7 +19,6 @@ from hil_bridge.ground.mapping import ROLES, find
 from hil_bridge.ground.parameters import parameters
 from orchestration.grid import Grid
 from orchestration.process.watch import Unwatched
-from orchestration.process.where import Where
 from orchestration.results.result import Unrecorded
 from orchestration.running.driver import Driver
 from orchestration.running.hook import Hook
@@ -78,7 +77,7 @@ def bridge(
     ):
         places = ", ".join(watcher.endpoints)
         console.print(f"{entry.name} at {real_time:g} times real time, for {places}; Ctrl-C ends it")
-        driver = Driver(simulation, recording, hooks, Unwatched(), Where(), timeout=inf)
+        driver = Driver(simulation, recording, hooks, Unwatched(), timeout=inf)
         driver.prepare()
         try:
             driver.run()

@@ -16,7 +16,7 @@ from orchestration.process.guard import explained
 from orchestration.results.manifest import completed, make_manifest
 from orchestration.results.result import Result, RunFailed, RunInterrupted
 from orchestration.running.driver import Driver
-from orchestration.running.hook import Hook, listed
+from orchestration.running.hook import Hook, together
 from orchestration.running.outline import Outline
 
 
@@ -24,11 +24,12 @@ class Account:
     """Keeps the account of a run from the moment at which it was found right."""
 
     def __init__(self, outline: Outline, hooks: Sequence[Hook]) -> None:
+        self.outline = outline
         self._recording, self.times, grid = outline.recording, outline.times, outline.grid
         self.manifest = make_manifest(
             outline.system,
             outline.fmi_version,
-            _together(
+            together(
                 {"fmi_version": outline.fmi_version, "start_time": grid.start},
                 {"stop_time": grid.time(grid.steps), "step": grid.step},
                 outline.method.for_manifest(),
@@ -117,12 +118,3 @@ class Account:
         simulated = float(times[-1] - times[0]) if len(times) else 0.0
         per_cpu = simulated / cpu if cpu > 0 else None
         return {"wall_s": wall, "cpu_s": cpu, "simulated_s": simulated, "simulated_s_per_cpu_s": per_cpu}
-
-
-def _together(*parts: Mapping[str, Any]) -> dict[str, Any]:
-    """Join settings; what several of them have becomes a list."""
-    joined: dict[str, Any] = {}
-    for part in parts:
-        for name, value in part.items():
-            joined[name] = [*listed(joined[name]), *listed(value)] if name in joined else value
-    return joined

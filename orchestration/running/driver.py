@@ -11,7 +11,6 @@ from fmus.errors import AdcsError
 from orchestration.instances.instance import EndRequested
 from orchestration.instances.life import hung_failure
 from orchestration.process.watch import Hung, Unwatched, Watched
-from orchestration.process.where import Where
 from orchestration.results.result import Recording
 from orchestration.running.change import Change
 from orchestration.running.hook import MOST, Hook
@@ -31,14 +30,13 @@ class Driver:
         recording: Recording,
         hooks: Sequence[Hook],
         watched: Watched | Unwatched,
-        where: Where,
         *,
         record_every: int = 1,
         timeout: float,
         progress: Progress = lambda fraction: None,
     ) -> None:
         self.simulation, self._recording, self._hooks = simulation, recording, hooks
-        self._watched, self._where = watched, where
+        self._watched = watched
         self._every, self._timeout, self._progress = record_every, timeout, progress
         self.row_at = float("-inf")
         """The time of the last row [s]."""
@@ -150,11 +148,11 @@ class Driver:
         first = simulation.k
         every = self._every if first <= simulation.grid.full else 1  # the end of a shorter step is recorded
         rows = recording.room((first + n - 1) // every - (first - 1) // every)
-        filled, complete = recording.filled, self._where.place.rows
+        filled, complete = recording.filled, recording.where.place.rows
         try:
             k, kept, failed = self._watched(lambda: simulation.advance(n, rows, stay=bool(after)))
         except Hung:
-            recording.commit(min(self._where.place.rows - complete, len(rows)))
+            recording.commit(min(recording.where.place.rows - complete, len(rows)))
             raise
         if self._mets:
             times = simulation.grid.rows(first, every, kept)

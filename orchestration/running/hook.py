@@ -35,6 +35,10 @@ class Hook:
     ends = False
     """Whether it may end the run by what it sees in a row."""
 
+    def __repr__(self) -> str:
+        known = "".join(f" {name} = {value!r}" for name, value in self.for_manifest().items())
+        return f"<{type(self).__name__}{known}>"
+
     repeatable = False
     """Whether the manifest knows all of it: then it takes part in isolated runs, and when a run is repeated."""
 
@@ -82,3 +86,12 @@ class Hook:
 def listed(given: Any) -> list[Any]:
     """Return what a manifest has of the hooks of a kind as a list, also of a single one."""
     return list(given) if isinstance(given, list) else [given]
+
+
+def together(*parts: Mapping[str, Any]) -> dict[str, Any]:
+    """Join what a manifest is to have of several; what more than one of them has becomes a list."""
+    joined: dict[str, Any] = {}
+    for part in parts:
+        for name, value in part.items():
+            joined[name] = [*listed(joined[name]), *listed(value)] if name in joined else value
+    return joined

@@ -53,7 +53,7 @@ class Method:
         """Whether it can go on from a checkpoint."""
         return False
 
-    def simulation(self, outline: Outline, guard: Guard) -> Simulation:
+    def simulation(self, outline: Outline, guard: Guard | None = None) -> Simulation:
         """Make the components, and what solves them."""
         raise NotImplementedError
 
@@ -109,7 +109,7 @@ class CoSimulation(Method):
         """Whether it can go on from a checkpoint, which holds no choice of steps."""
         return self.adaptive is None
 
-    def simulation(self, outline: Outline, guard: Guard) -> Simulation:
+    def simulation(self, outline: Outline, guard: Guard | None = None) -> Simulation:
         """Make a session."""
         grid, source = outline.grid, outline.source
         session: dict[str, Any] = {
@@ -163,7 +163,7 @@ class ModelExchange(Method):
         """Steps are as long as the integrator likes."""
         return None
 
-    def simulation(self, outline: Outline, guard: Guard) -> Simulation:
+    def simulation(self, outline: Outline, guard: Guard | None = None) -> Simulation:
         """Make the coupled model, and what takes it from point to point."""
         grid, recording = outline.grid, outline.recording
         model = CoupledModel(

@@ -60,7 +60,7 @@ class Outline:
         method: Method,
         save: Save,
         fmi_version: FmiVersion,
-        resume: str | Path | None,
+        resume: str | Path | None = None,
     ) -> Outline:
         """Put it together; AdcsError if the run cannot go on from the checkpoint `resume`."""
         saved = None if resume is None else Checkpoint.read(Path(resume))

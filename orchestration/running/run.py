@@ -14,6 +14,7 @@ from orchestration.grid import Grid
 from orchestration.instances.life import watched_life
 from orchestration.isolation.apart import run_apart
 from orchestration.process.guard import Guard
+from orchestration.process.watch import Unwatched, Watched
 from orchestration.results.result import Result
 from orchestration.running import arguments
 from orchestration.running.account import Account
@@ -23,6 +24,7 @@ from orchestration.running.method import CoSimulation, Method
 from orchestration.running.outline import Outline
 from orchestration.running.save import Save
 from orchestration.running.session import Session
+from orchestration.running.simulation import Simulation
 from orchestration.system import System
 from orchestration.times import Seconds
 
@@ -71,27 +73,42 @@ def run(
     for hook in hooks:
         hook.prepare(outline)
     account = Account(outline, hooks)
-    recording = outline.recording
-    where = recording.where
-    guard = Guard(ThreadControl(), recording.printed)
+    guard = Guard(ThreadControl(), outline.recording.printed)
     with closing(guard), account.told():
         make = partial(method.simulation, outline, guard)
-        with watched_life(make, where, method.patience, account.manifest) as (simulation, watched):
+        with watched_life(make, outline.recording.where, method.patience, account.manifest) as (simulation, watched):
             watched.stop = simulation.stop
             if outline.saved is not None and isinstance(simulation, Session):
                 watched(partial(outline.saved.apply, simulation))
-            driver = Driver(
-                simulation, recording, hooks, watched, where,
-                record_every=save.every, timeout=method.patience, progress=progress or (lambda fraction: None),
-            )  # fmt: skip
-            driver.prepare()
-            account.begin(driver)
-            try:
-                driver.run()
-            finally:
-                account.end()
-        recording.flush()
+            drive(simulation, hooks, watched, account, progress)
+        outline.recording.flush()
     return account.complete()
+
+
+def drive(
+    simulation: Simulation,
+    hooks: Sequence[Hook],
+    watched: Watched | Unwatched,
+    account: Account,
+    progress: Progress | None = None,
+) -> None:
+    """Take a simulation from its present point to the end of the run, and note in its account what everyone reports."""
+    outline = account.outline
+    driver = Driver(
+        simulation,
+        outline.recording,
+        hooks,
+        watched,
+        record_every=outline.save.every,
+        timeout=outline.method.patience,
+        progress=progress or (lambda fraction: None),
+    )
+    driver.prepare()
+    account.begin(driver)
+    try:
+        driver.run()
+    finally:
+        account.end()
 
 
 _OBJECTS = {

@@ -12,7 +12,7 @@ from orchestration import expected
 from orchestration.grid import whole_steps
 from orchestration.running import checkpoint as file
 from orchestration.running.adaptive import AdaptiveSession
-from orchestration.running.hook import MOST, Hook, Watched
+from orchestration.running.hook import MOST, Hook, Watched, together
 from orchestration.running.outline import Outline
 from orchestration.running.session import Session
 from orchestration.running.simulation import Simulation
@@ -43,12 +43,13 @@ class Saves(Hook):
             raise AdcsError(
                 "checkpoint: not with model-exchange, whose integrator has a memory of its own that cannot be saved"
             )
+        self._every, self._missing, self._trouble = None, [], ""
         if self._seconds is not None:
             if not self._seconds > 0:
                 raise AdcsError(f"checkpoint: every = {self._seconds:g} s: expected a positive time")
             self._every = whole_steps(self._seconds, outline.grid.step, "checkpoint: every")
         outline.may_go_on = True
-        outline.about["checkpoint"] = {"path": str(self._path), "every": self._seconds}
+        outline.about = together(outline.about, {"checkpoint": {"path": str(self._path), "every": self._seconds}})
 
     def begin(self, simulation: Simulation, hooks: Sequence[Hook], watched: Watched) -> None:
         """Refuse by name what cannot be saved, or not then."""

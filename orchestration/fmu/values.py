@@ -83,6 +83,7 @@ def _converted(value: Any, unit: DisplayUnit, port: Port, text: str) -> Any:
         array = np.asarray(value, float)
         with np.errstate(all="ignore"):  # what comes of it is looked at
             own = unit.factor / array if unit.inverse else (array - unit.offset) / unit.factor
+            own = np.where(unit.sound & np.isfinite(array), own, np.nan)  # else it might be 0, as 1 / inf is
     except (ValueError, TypeError, OverflowError):  # rows of different lengths, or no numbers
         raise AdcsError(f"{port.name} = {shown(repr(text))}: expected numbers before {unit.name!r}") from None
     if not np.isfinite(own).all():

@@ -8,14 +8,26 @@ from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from adcs.catalogue import SYSTEMS, find_system
+from orchestration import named
+from orchestration.coupled import CoupledModel as CoupledModel
 from orchestration.linear.linearization import linearize as linearize_system
 from orchestration.running.run import run as run_system
+from orchestration.running.session import Session as Session
 from orchestration.running.session import steps as steps_of_system
+from orchestration.ssp import write_ssp as write_system
 from orchestration.ssp.names import is_ssp
 from orchestration.system import System
 
 Settings = ParamSpec("Settings")
 Found = TypeVar("Found")
+
+
+def _found(name: str, step: object) -> System:
+    """Return a system with its times; AdcsError if there is none, or it refuses the exchange step (s)."""
+    entry = find_system(name)
+    if isinstance(step, float | int):
+        entry.check_step(step)
+    return entry.built()
 
 
 def _by_name(
@@ -26,10 +38,7 @@ def _by_name(
     @wraps(function)
     def found(system: Any, /, *args: Settings.args, **settings: Settings.kwargs) -> Found:
         if isinstance(system, str | Path) and takes(str(system)):
-            entry = find_system(str(system))
-            if isinstance(step := settings.get("step"), float | int):
-                entry.check_step(step)
-            system = entry.built()
+            system = _found(str(system), settings.get("step"))
         return function(system, *args, **settings)
 
     return found
@@ -37,4 +46,6 @@ def _by_name(
 
 run = _by_name(run_system)
 steps = _by_name(steps_of_system)
+write_ssp = _by_name(write_system)
 linearize = _by_name(linearize_system, lambda name: name in SYSTEMS or is_ssp(name))  # an FMU may be given start values
+named.find_by(_found)  # for Session and CoupledModel, which are classes wherever they are from

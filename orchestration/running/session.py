@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, isfinite
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -19,6 +20,7 @@ from orchestration.expected import choice
 from orchestration.fmu.file import FmiVersion, Port
 from orchestration.grid import SNAP, Grid, whole_steps
 from orchestration.instances.instance import CallFailed, EndRequested, Instance, failing_at
+from orchestration.named import as_system
 from orchestration.plan.changing import checked_change
 from orchestration.plan.loops import Loops, LoopSolver
 from orchestration.plan.lowering import Floats, make_plan
@@ -63,10 +65,10 @@ class Session:
 
     def __init__(
         self,
-        system: System,
+        system: System | str | Path,
         *,
-        step: float,
-        start_time: float = 0.0,
+        step: float | None = None,
+        start_time: float | None = None,
         steps: int = ENDLESS,
         stop_time: float | None = None,
         fmi_version: FmiVersion = "2.0",
@@ -81,10 +83,15 @@ class Session:
     ) -> None:
         """`record` names the variables of a row (None: all outputs); `external` inputs whose values come with steps.
 
+        `system` may be a name or the path of a file where `adcs` is imported. The system's own step and start time
+        count where none is given.
+
         `stop_time` is the time of the last point, if the step to it is shorter than the others. The FMUs are told a
         stop time that is beyond it by roundings, unless it `may_go_on` after it.
         """
+        system = as_system(system, step)
         arguments.check(Session, locals(), solver=arguments.loop_solver)
+        start_time, _, step = system.run_times(start_time, 0.0, step)
         choice("fmi_version", fmi_version, FmiVersion)
         choice("stepping", stepping, Stepping)
         if not (isfinite(step) and step > 0 and isfinite(start_time)):

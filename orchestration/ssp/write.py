@@ -35,14 +35,14 @@ def write_ssp(
     *,
     stop_time: float | None = None,
     step: float | None = None,
-    start_time: float = 0.0,
+    start_time: float | None = None,
     fmi_version: FmiVersion = "2.0",
     ssp_version: Version | None = None,
 ) -> None:
     """Write a system with its FMUs; the same system gives the same bytes.
 
-    `stop_time` and exchange `step` (s) are for who runs it. `fmi_version` says which file of a component known by name
-    is taken. `ssp_version` None: 1.0, or 2.0 if an FMU is of FMI 3.0, whose arrays and types SSP 1.0 does not know.
+    `stop_time` and exchange `step` (s) are for who runs it; the system's own times count where none are given.
+    `fmi_version` says which file of a component known by name is taken. `ssp_version` None: 1.0, or 2.0 if an FMU is of FMI 3.0, whose arrays and types SSP 1.0 does not know.
     Connection delays, components that communicate at every n-th step and the exchange step stand in annotations, which
     other tools ignore (the step is also where OMSimulator looks for it). Raises AdcsError.
     """
@@ -50,6 +50,9 @@ def write_ssp(
     expected.path("path", path)
     path = Path(path)
     system.check()
+    if system.times is not None:
+        start_time, stop_time, step = system.run_times(start_time, stop_time, step)
+    start_time = start_time or 0.0
     for name, value in (("start_time", start_time), ("stop_time", stop_time), ("step", step)):
         if value is not None and not (isfinite(value) and (value > 0 or name != "step")):
             raise AdcsError(f"{name} = {value}: expected a {'positive ' if name == 'step' else ''}number")

@@ -17,6 +17,11 @@ reveal_type(system)
 reveal_type(adcs.linearize(system).eigenvalues)
 with adcs.Session(system, step=0.01) as session:
     reveal_type(session.time)
+with adcs.Session("observer-pd") as session, adcs.CoupledModel("observer-pd") as model:
+    reveal_type(session)
+    reveal_type(model)
+reveal_type(adcs.write_ssp("observer-pd", "x.ssp"))
+adcs.Session(3)
 adcs.run(system, stop_time="1", step=0.01)
 adcs.nothing
 """
@@ -26,6 +31,10 @@ SEEN = [
     'note: Revealed type is "orchestration.system.System"',
     'note: Revealed type is "numpy.ndarray[',
     'note: Revealed type is "float"',
+    'note: Revealed type is "orchestration.running.session.Session"',
+    'note: Revealed type is "orchestration.coupled.model.CoupledModel"',
+    'note: Revealed type is "None"',
+    'error: Argument 1 to "Session" has incompatible type "int"; expected "System | str | Path"',
     'error: Argument "stop_time" has incompatible type "str"; expected "float | None"',
     'error: Module has no attribute "nothing"',
 ]

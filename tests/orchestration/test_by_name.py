@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
-from adcs import AdcsError, System, linearize, run, steps, systems, write_ssp
+from adcs import AdcsError, CoupledModel, Session, System, linearize, read_ssp, run, steps, systems, write_ssp
 
 
 def test_a_name_is_a_system_with_its_times():
@@ -45,3 +47,58 @@ def test_a_system_of_ones_own_may_have_times():
     system.times = Times(0.0, 0.5, 0.25)
     assert run(system).time.tolist() == [0.0, 0.25, 0.5]
     assert run(system, stop_time=0.25).time.tolist() == [0.0, 0.25]
+
+
+def test_a_session_has_the_names_and_times_of_its_system():
+    with Session("observer-pd", record=["controller.torque_B"]) as named:
+        assert (named.step, named.start) == (0.01, 0.0)
+        times = [t for t, _ in zip(named, range(3), strict=False)]
+    assert [t for t, _ in times] == [0.0, 0.01, 0.02]
+    with Session("observer-pd", step=0.5) as named:
+        assert named.step == 0.5
+
+
+def test_a_session_is_of_one_class_wherever_it_comes_from():
+    from orchestration.running.session import Session as of_orchestration
+
+    assert Session is of_orchestration
+    assert pickle.loads(pickle.dumps(Session)) is Session
+
+
+def test_a_coupled_model_by_name_is_that_of_the_system(tmp_path, monkeypatch):
+    with CoupledModel("observer-pd") as named, CoupledModel(systems()["observer-pd"].build()) as plain:
+        assert named.state_names == plain.state_names
+        assert np.array_equal(named.x0, plain.x0)
+    told = []
+    monkeypatch.setattr(
+        "orchestration.coupled.model.initialised", lambda *given, **more: told.append(given[2]) or 1 / 0
+    )
+    write_ssp("observer-pd", tmp_path / "x.ssp", start_time=3.0)
+    for start in (None, 4.0):
+        with pytest.raises(ZeroDivisionError):
+            CoupledModel(tmp_path / "x.ssp", start)
+    assert told == [3.0, 4.0]
+
+
+def test_a_name_is_written_with_its_times(tmp_path):
+    write_ssp("observer-pd", tmp_path / "x.ssp", step=0.5)
+    file = read_ssp(tmp_path / "x.ssp")
+    assert (file.start_time, file.stop_time, file.step) == (0.0, 100.0, 0.5)
+    write_ssp(tmp_path / "x.ssp", tmp_path / "y.ssp")
+    assert (tmp_path / "y.ssp").read_bytes() == (tmp_path / "x.ssp").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("made", "message"),
+    [
+        (lambda: Session("observer-dp"), "no system 'observer-dp': did you mean observer-pd"),
+        (lambda: CoupledModel("observer-dp"), "no system 'observer-dp': did you mean observer-pd"),
+        (lambda: write_ssp("observer-dp", "x.ssp"), "no system 'observer-dp': did you mean observer-pd"),
+        (lambda: Session(System("mine")), "step: mine has none of its own, give it"),
+        (lambda: Session("trigo-bs", step=0.3), "step"),
+    ],
+)
+def test_names_of_none_are_refused(made, message):
+    with pytest.raises(AdcsError) as error:
+        made()
+    assert message in str(error.value)

@@ -42,9 +42,10 @@ def write_ssp(
     """Write a system with its FMUs; the same system gives the same bytes.
 
     `stop_time` and exchange `step` (s) are for who runs it; the system's own times count where none are given.
-    `fmi_version` says which file of a component known by name is taken. `ssp_version` None: 1.0, or 2.0 if an FMU is of FMI 3.0, whose arrays and types SSP 1.0 does not know.
-    Connection delays, components that communicate at every n-th step and the exchange step stand in annotations, which
-    other tools ignore (the step is also where OMSimulator looks for it). Raises AdcsError.
+    `fmi_version` says which file of a component known by name is taken. `ssp_version` None: 1.0, or 2.0 if an FMU is of
+    FMI 3.0, whose arrays and types SSP 1.0 does not know. Connection delays, components that communicate at every n-th
+    step and the exchange step stand in annotations, which other tools ignore (the step is also where OMSimulator looks
+    for it). Raises AdcsError.
     """
     check_system(system)
     expected.path("path", path)

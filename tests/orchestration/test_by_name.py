@@ -70,9 +70,12 @@ def test_a_coupled_model_by_name_is_that_of_the_system(tmp_path, monkeypatch):
         assert named.state_names == plain.state_names
         assert np.array_equal(named.x0, plain.x0)
     told = []
-    monkeypatch.setattr(
-        "orchestration.coupled.model.initialised", lambda *given, **more: told.append(given[2]) or 1 / 0
-    )
+
+    def started(system, kind, start, *given, **more):
+        told.append(start)
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("orchestration.coupled.model.initialised", started)
     write_ssp("observer-pd", tmp_path / "x.ssp", start_time=3.0)
     for start in (None, 4.0):
         with pytest.raises(ZeroDivisionError):

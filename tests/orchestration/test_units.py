@@ -63,7 +63,7 @@ def test_a_factor_that_is_none_is_refused(factor):
 
 
 def test_factors_so_far_apart_that_0_would_arrive_are_refused():
-    with pytest.raises(AdcsError, match="^units 'tiny' and 'huge': a factor is zero or not finite: correct it$"):
+    with pytest.raises(AdcsError, match=r"^units 'tiny' and 'huge': a factor is zero or not finite: correct it$"):
         conversion(fmu(tiny={"m": 1, "factor": 1e-200}), "tiny", fmu(huge={"m": 1, "factor": 1e200}), "huge")
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import pkgutil
-from difflib import get_close_matches
 from importlib import import_module
 
 from adcs import library
 from adcs.library.entry import StudyEntry
 from fmus import paths
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, shown
+from fmus.spelling import close
 from orchestration.entry import SystemEntry
 from orchestration.from_file import component_alone, is_file, system_from_file
 
@@ -38,9 +38,10 @@ def find_system(name: str) -> SystemEntry:
     if is_file(name):
         return system_from_file(name)
     if name not in SYSTEMS:
-        if any((paths.DIST / f"{name}{version}.fmu").is_file() for version in ("", ".fmi3")):
+        built = sorted({path.name.partition(".")[0] for path in paths.DIST.glob("*.fmu")})
+        if name in built:
             return component_alone(name)
-        close = get_close_matches(name, SYSTEMS, 3, 0.5)
-        hint = f"did you mean {' or '.join(close)}" if close else f"choose one of {', '.join(SYSTEMS)}"
-        raise AdcsError(f"no system {name!r}: {hint}, or give a built component (`adcs list`), an .ssp or .fmu file")
+        meant = close(name, [*SYSTEMS, *built])
+        hint = f"did you mean {meant}? " if meant else ""
+        raise AdcsError(f"no system {shown(repr(name))}: {hint}`adcs list` shows all; or give an .ssp or .fmu file")
     return SYSTEMS[name]

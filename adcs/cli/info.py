@@ -61,7 +61,7 @@ def info(
 
 def _show_component(name: str, as_json: bool) -> None:
     """Print what a component declares, which the component itself is asked for; AdcsError if there is none."""
-    component = catalog.find(name)
+    component = catalog.find(name, SYSTEMS)
     for path in paths(component).values():
         warn_if_outdated(name, path)
     with ERR.status("asking the component ...") if not as_json else ERR.capture():

@@ -19,6 +19,7 @@ from adcs.cli.command import command
 from adcs.library.entry import StudyEntry
 from adcs.library.outcome import Outcome, Row, as_json, manifest_of, write_csv
 from fmus.errors import AdcsError
+from fmus.spelling import hint
 from orchestration.isolation.folder import new_results
 from orchestration.results import plots, report
 
@@ -48,7 +49,7 @@ def study(
     """
     entry = STUDIES.get(name)
     if entry is None:
-        raise AdcsError(f"no study {name!r}: choose one of {', '.join(STUDIES)}")
+        raise AdcsError(f"no study {name!r}: {hint(name, STUDIES, 'choose one of')}")
     choices = with_changes(entry.choices(), set_)
     progress = Progress(
         TextColumn("{task.description:<44}"),

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from fmus.declared_types import carrier
+from fmus.spelling import some
 
 _RANGE = ("min", "max")
-_WRITTEN = 10  # numbers in a line, at most
 
 
 def check_attributes(root: Any) -> Iterator[str]:
@@ -81,12 +81,7 @@ def _no_item(element: Any, declared: Any) -> Iterator[str]:
     values = [v for item in declared.findall("Item") if low <= (v := int(item.get("value"))) <= high]
     for start in dict.fromkeys(map(int, element.get("start", "").split())):
         if start not in values:
-            yield f"start {start} is the value of no item, expected {_some(values)}"
-
-
-def _some(values: list[int]) -> str:
-    """Write the first ones out."""
-    return f"{' or '.join(map(str, values[:_WRITTEN]))}{', ...' if len(values) > _WRITTEN else ''}"
+            yield f"start {start} is the value of no item, expected one of {some(values)}"
 
 
 def _too_long(element: Any) -> Iterator[str]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fmus.errors import AdcsError, shown
+from fmus.spelling import some
 from orchestration.fmu.description import DisplayUnit
 from orchestration.fmu.file import Fmu, Port
 
@@ -61,7 +62,7 @@ def _numbers(fmu: Fmu, port: Port, text: str) -> Any:
             break
     if not _is_json(words):
         known = f", in {' or '.join(units)}" if units else ""
-        known += f", or {', '.join(repr(name) for name in names)}" if port.items else ""
+        known += f", or {some(map(repr, sorted(names)))}" if port.items else ""
         raise AdcsError(
             f"{port.name} = {shown(repr(text))} cannot be read: write a number, or 1,2,3, or [[1,2],[3,4]]{known}"
         )

@@ -88,7 +88,7 @@ def test_options_reach_the_run(tmp_path):
     ("arguments", "code", "message"),
     [
         (("observer-pd", "--solver", "CVode"), 1, "adcs: --solver CVode: an integrator of model-exchange, add"),
-        (("nothing",), 1, "adcs: no system 'nothing': choose one of bounded-adaptive"),
+        (("nothing",), 1, "adcs: no system 'nothing': `adcs list` shows all; or give an .ssp or .fmu file"),
         (("observer-pd", "--step", "0"), 1, "adcs: step = 0.0 s: expected a positive time"),
         (("observer-pd", "--step", "nan"), 2, "adcs: Invalid value for --step: 'nan' is not a time, write 120s, 0.1s"),
         (

@@ -74,7 +74,7 @@ def test_all_commands_that_take_a_system_are_here():
     ("options", "message"),
     [
         (("--set", "plant.mass=1"), "component 'plant' (RigidBody.fmu) has no variable 'mass'"),
-        (("--every", "plants=2"), "--every plants=2: expected COMPONENT=N, one of guidance, plant"),
+        (("--every", "plants=2"), "--every plants=2: expected COMPONENT=N, N from 1; did you mean plant?"),
         (("--delay", "plant.torque_disturbance_B=1"), "nothing is connected to plant.torque_disturbance_B"),
     ],
 )
@@ -91,7 +91,7 @@ def test_a_name_that_is_no_system_is_told_alike(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     told = str(invoke(app, [command, "observr-pd"]).exception)
     assert told.startswith("no system 'observr-pd': did you mean observer-pd or ")
-    assert told.endswith(", or give a built component (`adcs list`), an .ssp or .fmu file")
+    assert told.endswith("? `adcs list` shows all; or give an .ssp or .fmu file")
 
 
 @pytest.mark.parametrize(("command", "option"), [(c, option) for c, options in TIMES.items() for option in options])

@@ -61,7 +61,7 @@ def test_from_a_file_into_another(export):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["nonsense"], "no system 'nonsense': choose one of bounded-adaptive"),
+        (["nonsense"], "no system 'nonsense': `adcs list` shows all; or give an .ssp or .fmu file"),
         (["observer-pd", "--ssp", "x.zip"], "x.zip does not end in .ssp"),
         (["x.ssp"], "say where to: adcs export x.ssp --ssp FILE.ssp"),
         (["x.ssp", "y.ssp"], "cannot open x.ssp"),

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from dataclasses import dataclass, field
 from math import isfinite
 
 from fmus.errors import AdcsError, shown
+from fmus.spelling import close
 from orchestration.system import End, System
 
 FUNCTIONS = ("norm", "max", "min")
@@ -117,6 +117,6 @@ def _known(system: System, text: str, at: int) -> str:
     if "." in word and not word[0].isdigit():
         system.end(word)  # says what there is instead
     names = [*WORDS, *(f"{c.name}.{port}" for c in system.components.values() for port in c.fmu.ports)]
-    close = difflib.get_close_matches(word[:200], names, 3, 0.5) if len(word) > 1 else []
-    near = f" (did you mean {' or '.join(close)}?)" if close else ""
+    meant = close(word, names) if len(word) > 1 else ""
+    near = f" (did you mean {meant}?)" if meant else ""
     raise AdcsError(f"{shown(repr(word), 80)} is no name, number, word or sign of a condition{near}: {EXPECTED}")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from math import isfinite
+from contextlib import suppress
+from math import isfinite, nan
 from typing import Any
 
 from fmus.errors import AdcsError, shown
@@ -95,18 +96,22 @@ def delay(system: System, assignment: str) -> None:
 
 
 _UNITS = {"": 1.0, "us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0}  # s
+_TIME = re.compile(r"\s*(?P<number>[-+]?[.\d]+(?:[eE][-+]?\d+)?)\s*(?P<unit>[^\s\d.]*)\s*", re.ASCII)
 
 
 def time(text: str) -> float:
     """Read a time [s] with or without a unit; ValueError if it is none."""
-    match = re.fullmatch(r"\s*(?P<number>[-+.\deE]+)\s*(?P<unit>us|ms|s|min|h|)\s*", text, re.ASCII)
-    try:
-        found = float(match["number"]) * _UNITS[match["unit"]]  # type: ignore[index]
-        if not isfinite(found):
-            raise ValueError
-        return found
-    except (TypeError, ValueError):
-        raise ValueError(f"{shown(repr(text))} is not a time, write 120s, 0.1s, 5ms, 2min or 1h") from None
+    match = _TIME.fullmatch(text)
+    found = nan
+    if match is not None:
+        with suppress(ValueError):
+            found = float(match["number"]) * _UNITS.get(match["unit"], 1.0)
+    if match is None or not isfinite(found):
+        raise ValueError(f"{shown(repr(text))} is not a time, write 120s, 0.1s, 5ms, 2min or 1h")
+    if match["unit"] not in _UNITS:
+        known = " or ".join(filter(None, _UNITS))
+        raise ValueError(f"{shown(repr(text))} is not a time: {shown(repr(match['unit']), 40)} is no unit, use {known}")
+    return found
 
 
 def seconds(text: str, what: str) -> float:

@@ -111,7 +111,16 @@ def test_no_option_is_a_time_without_unit(command):
     assert not [a.names[0] for a in arguments_of(command) if "[s]" in (a.parameter.help or "")]
 
 
-@pytest.mark.parametrize("text", ["", "s", "5 m", "5sec", "1e999", "nan", "inf", "٣s", "1min2s"])
+@pytest.mark.parametrize(
+    ("text", "unit"), [("20parsec", "parsec"), ("5 m", "m"), ("5sec", "sec"), ("1e3S", "S"), ("1e", "e"), ("2µs", "µs")]
+)
+def test_what_is_no_unit_of_time(text, unit):
+    with pytest.raises(ValueError, match="no unit") as error:
+        words.time(text)
+    assert str(error.value) == f"{text!r} is not a time: {unit!r} is no unit, use us or ms or s or min or h"
+
+
+@pytest.mark.parametrize("text", ["", "s", "1e999", "nan", "inf", "٣s", "1min2s", "1..2s", "--1"])
 def test_what_is_no_time(text):
     with pytest.raises(ValueError, match="is not a time, write 120s"):
         words.time(text)

@@ -38,6 +38,7 @@ def write_ssp(
     start_time: float | None = None,
     fmi_version: FmiVersion = "2.0",
     ssp_version: Version | None = None,
+    force: bool = False,
 ) -> None:
     """Write a system with its FMUs; the same system gives the same bytes.
 
@@ -45,11 +46,13 @@ def write_ssp(
     `fmi_version` says which file of a component known by name is taken. `ssp_version` None: 1.0, or 2.0 if an FMU is of
     FMI 3.0, whose arrays and types SSP 1.0 does not know. Connection delays, components that communicate at every n-th
     step and the exchange step stand in annotations, which other tools ignore (the step is also where OMSimulator looks
-    for it). Raises AdcsError.
+    for it). A file that is there already is replaced by `force` only. Raises AdcsError.
     """
     check_system(system)
     expected.path("path", path)
     path = Path(path)
+    if path.is_file() and not force:
+        raise AdcsError(f"{path} is there already: give another name, or force=True to replace it")
     system.check()
     if system.times is not None:
         start_time, stop_time, step = system.run_times(start_time, stop_time, step)

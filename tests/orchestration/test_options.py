@@ -179,7 +179,7 @@ def test_ground_tools_of_a_run_need_mavlink(capsys):
 
 class TestExport:
     def export(self, tmp_path, *arguments):
-        ended = invoke(app, ["export", *map(str, arguments), "--set", "omega_BN_B=0,0,0.5"])
+        ended = invoke(app, ["export", *map(str, arguments), "--force", "--set", "omega_BN_B=0,0,0.5"])
         assert ended.exit_code == 0, ended.exception
         return read_ssp(tmp_path / "a.ssp")
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from fmus import catalog
 from fmus.catalog import Component
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, Failed
 from fmus.pack import FILE_NAMES
 from fmus.paths import DIST
 
@@ -35,5 +35,5 @@ def _existing(wanted: Iterable[Path]) -> list[Path]:
     wanted = list(wanted)
     existing = [path for path in wanted if path.is_file()]
     if not existing:
-        raise AdcsError(f"{wanted[0].name} is not built: run: adcs build")
+        raise Failed(f"{wanted[0].name} is not built: run: adcs build")
     return existing

@@ -29,7 +29,7 @@ app.register_install_completion_command(name="--install-completion")
 
 
 def main() -> None:
-    """Run the command line; an AdcsError becomes one line and exit code 1, words that it does not know exit code 2."""
+    """Run the command line; what is refused becomes one line and exit code 2, what fails one line and exit code 1."""
     arguments = run.at_in_one(sys.argv[1:])
     try:
         app(arguments)
@@ -38,12 +38,12 @@ def main() -> None:
         sys.exit(2)
     except AdcsError as error:
         print(f"adcs: {error}", file=sys.stderr)
-        sys.exit(1)
+        sys.exit(1 if error.failed else 2)
     except OSError as error:  # a folder that is none, a disk that is full
         if error.filename is None:
             raise
         print(f"adcs: {error.filename}: {error.strerror}", file=sys.stderr)
-        sys.exit(1)
+        sys.exit(2 if isinstance(error, FileNotFoundError) else 1)
 
 
 def _told(error: CycloptsError, arguments: Sequence[str]) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from adcs.cli.command import Speed, command
+from adcs.cli.command import Speed, at_work, command
 from adcs.cli.ground_tools import attached
 from adcs.cli.options import GroundTools, SystemName, Times, Which
 from fmus.errors import AdcsError
@@ -70,6 +70,7 @@ def bridge(
         hook.prepare(Outline(built, grid, recording, "co-simulation"))
     console = Console(stderr=True)
     with (
+        at_work(),
         Session(built, step=step, start_time=start, steps=steps, fmi_version=which.fmi_version) as simulation,
         watcher,
     ):

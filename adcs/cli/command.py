@@ -6,7 +6,8 @@ has the group as a parameter.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from datetime import datetime
 from typing import Annotated, Any, TypeVar, dataclass_transform
@@ -14,6 +15,7 @@ from typing import Annotated, Any, TypeVar, dataclass_transform
 from cyclopts import App, Group, Parameter, Token
 
 from adcs.cli import words
+from fmus.errors import AdcsError
 
 _Class = TypeVar("_Class")
 _titles: dict[str, int] = {}  # and where they stand in the help
@@ -54,6 +56,16 @@ def group(title: str) -> Callable[[type[_Class]], type[_Class]]:
 def given(options: Any) -> list[str]:
     """Name the options of a group that are not as they are by default, as they are written."""
     return [f"--{f.name.replace('_', '-')}" for f in fields(options) if getattr(options, f.name) != f.default]
+
+
+@contextmanager
+def at_work() -> Iterator[None]:
+    """What is refused within has failed: what was asked for was right."""
+    try:
+        yield
+    except AdcsError as error:
+        error.failed = True
+        raise
 
 
 def _seconds(kind: Any, tokens: tuple[Token, ...]) -> float:

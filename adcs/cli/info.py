@@ -14,7 +14,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from adcs.catalogue import SYSTEMS
-from adcs.cli.command import command
+from adcs.cli.command import at_work, command
 from adcs.cli.printing import ERR, OUT, Json, print_json
 from fmus import catalog
 from fmus.build import describe
@@ -64,7 +64,7 @@ def _show_component(name: str, as_json: bool) -> None:
     component = catalog.find(name, SYSTEMS)
     for path in paths(component).values():
         warn_if_outdated(name, path)
-    with ERR.status("asking the component ...") if not as_json else ERR.capture():
+    with at_work(), ERR.status("asking the component ...") if not as_json else ERR.capture():
         description = describe(name)
     if as_json:
         print_json({"kind": component.kind, **asdict(description)})

@@ -86,7 +86,10 @@ def _names(system: System, texts: Sequence[str] | None) -> list[str] | None:
     if texts is None:
         return None
     words = [word.strip() for text in texts for word in re.split(r",(?![^\[]*\])", text)]
-    return [full_name(system, word) for word in words if word]
+    names = [full_name(system, word) for word in words if word]
+    for name in names:
+        system.end(name)
+    return names
 
 
 def _show(found: StateSpace, alone: str | None, out: Path | None) -> None:

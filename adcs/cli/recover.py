@@ -12,7 +12,7 @@ from adcs.catalogue import find_system
 from adcs.cli.command import command
 from adcs.cli.run_files import kept_in
 from adcs.cli.showing import as_json, show, write_files, write_report
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, Failed
 from orchestration.isolation import journal
 from orchestration.isolation.death import Found, found
 from orchestration.isolation.folder import MANIFEST, ResultsFolder
@@ -53,7 +53,7 @@ def recover(
                 written.write_manifest(results.path / MANIFEST)
                 files = [results.path / MANIFEST]
         except AdcsError as error:
-            raise AdcsError(f"{error}; {kept_in(folder, len(result.time))}") from error
+            raise Failed(f"{error}; {kept_in(folder, len(result.time))}") from error
         results.journal.unlink()
         numbers: list[Any] = []
         if left.failed is None:

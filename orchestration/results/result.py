@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fmus.errors import AdcsError, shown
+from fmus.errors import AdcsError, Failed, shown
 from fmus.spelling import hint
 from orchestration import expected
 from orchestration.fmu.file import Port, element_names
@@ -313,7 +313,7 @@ def _written_as(port: Port) -> type:
     return float if port.type.startswith("Float") else int
 
 
-class RunFailed(AdcsError):
+class RunFailed(Failed):
     """A component failed while running; `result` holds what was recorded until then."""
 
     def __init__(self, message: str, result: Result) -> None:

@@ -11,7 +11,7 @@ from urllib.parse import quote
 
 from lxml import etree
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, Failed
 from fmus.xml import serialised
 from orchestration import expected
 from orchestration.fmu.file import FmiVersion, Fmu, Port
@@ -70,7 +70,7 @@ def write_ssp(
     try:
         write_whole(path, content)
     except OSError as error:
-        raise AdcsError(f"cannot write {path}: {error.strerror or error}") from error
+        raise Failed(f"cannot write {path}: {error.strerror or error}") from error
 
 
 class _Writer:

@@ -133,7 +133,7 @@ def test_what_is_no_whole_number_is_not_rounded(text, capsys):
 
 
 def test_a_delay_is_a_number_of_steps_or_a_time_with_its_unit(capsys):
-    assert adcs("run", "observer-pd", "--delay", "plant.torque_B=2.0") == 1
+    assert adcs("run", "observer-pd", "--delay", "plant.torque_B=2.0") == 2
     assert capsys.readouterr().err == (
         "adcs: --delay plant.torque_B=2.0: give a whole number of steps, or a time as in 0.1s\n"
     )
@@ -173,7 +173,7 @@ def test_version(capsys):
 
 
 def test_ground_tools_of_a_run_need_mavlink(capsys):
-    assert adcs("run", "observer-pd", "--peer", "127.0.0.1", "--frame", "eci") == 1
+    assert adcs("run", "observer-pd", "--peer", "127.0.0.1", "--frame", "eci") == 2
     assert capsys.readouterr().err == "adcs: --peer, --frame: for ground tools, add --mavlink\n"
 
 

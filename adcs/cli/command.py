@@ -97,7 +97,13 @@ Whole = Annotated[int, Parameter(converter=_whole, metavar="N", allow_leading_hy
 Speed = Annotated[float, Parameter(metavar="SPEED", show_default=lambda value: None if value is None else f"{value:g}")]
 """How many simulated seconds go by in one on the clock."""
 
-Epoch = Annotated[
-    datetime, Parameter(converter=lambda kind, tokens: datetime.fromisoformat(tokens[0].value), metavar="UTC")
-]
+
+def _moment(kind: Any, tokens: tuple[Token, ...]) -> datetime:
+    try:
+        return datetime.fromisoformat(tokens[0].value)
+    except ValueError:
+        raise ValueError(f"{tokens[0].value!r} is no date, write 2026-03-21 or 2026-03-21T12:00:00") from None
+
+
+Epoch = Annotated[datetime, Parameter(converter=_moment, metavar="UTC")]
 """The moment of t = 0: a date with or without a time, UTC where it has no time zone."""

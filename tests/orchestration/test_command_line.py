@@ -171,13 +171,37 @@ def test_a_failed_run_leaves_no_report_of_an_earlier_one(tmp_path):
         (("--fmi", "4"), 'Invalid value "4" for --fmi. Choose from: "2", "3".'),
         (("--format", "xls"), 'Invalid value "xls" for --format. Choose from: "csv", "mat", "hdf5".'),
         (("--step", "fast"), "Invalid value for --step: 'fast' is not a time, write 120s, 0.1s, 5ms, 2min or 1h"),
-        (("--epoch", "tomorrow"), "Invalid value for --epoch: Invalid isoformat string: 'tomorrow'"),
+        (
+            ("--epoch", "tomorrow"),
+            "Invalid value for --epoch: 'tomorrow' is no date, write 2026-03-21 or 2026-03-21T12:00:00",
+        ),
         (("--chekpoint", "a"), "Unknown option: --chekpoint. Did you mean --checkpoint?"),
-        (("--nonsense",), "Unknown option: --nonsense."),
+        (("--nonsense",), "Unknown option: --nonsense: `adcs run --help` shows all"),
+        (("extra",), "'extra' is more than it takes: `adcs run --help` shows all"),
+        (("--mavlink", "a b", "c"), "'a b', 'c' are more than it takes: `adcs run --help` shows all"),
+        (("--step",), "--step needs a value: `adcs run --help` shows all"),
+        (("--adaptive", "x"), "Invalid value 'x' for --adaptive: expected a number"),
+        (("--force=perhaps",), "Invalid value 'perhaps' for --force: it is an option without a value"),
     ],
 )
 def test_usage_errors_are_one_line_and_exit_with_2(capsys, arguments, message):
     assert adcs("run", "observer-pd", *arguments) == 2
+    assert capsys.readouterr().err == f"adcs: {message}\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("runn", "x"), "no command 'runn': did you mean run or rerun? `adcs --help` shows all"),
+        (("frobnicate",), "no command 'frobnicate': `adcs --help` shows all"),
+        (("--frobnicate",), "no command '--frobnicate': `adcs --help` shows all"),
+        (("run",), "SYSTEM is missing: `adcs run --help` shows all"),
+        (("rerun", "--force"), "MANIFEST is missing: `adcs rerun --help` shows all"),
+        (("export", "a", "b.ssp", "c.ssp"), "'c.ssp' is more than it takes: `adcs export --help` shows all"),
+    ],
+)
+def test_words_that_no_command_takes(capsys, words, message):
+    assert adcs(*words) == 2
     assert capsys.readouterr().err == f"adcs: {message}\n"
 
 

@@ -10,13 +10,13 @@ from test_command_line import adcs
 
 from adcs import AdcsError, read_ssp, write_ssp
 from adcs.cli import words
-from adcs.cli.app import RENAMED, app
+from adcs.cli.app import COMMANDS, app
 from adcs.cli.options import During, GroundTools, Report, Results, Solving, Steps, Streaming, Times, Which
 from adcs.cli.run import at_in_one
+from adcs.cli.slips import RENAMED
 from orchestration.single import single
 from tests.invoking import invoke
 
-COMMANDS = [name for name in app if not name.startswith("-")]
 SYSTEM = ["run", "bridge", "hil", "linearize", "export"]
 GROUPS = {
     "run": [Which, Times, Solving, During, Streaming, Results],

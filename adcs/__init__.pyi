@@ -1,6 +1,7 @@
 # What `import adcs` gives. `__init__.py` reads it to load each name when it is first used.
 from adcs.by_name import CoupledModel as CoupledModel
 from adcs.by_name import Session as Session
+from adcs.by_name import check as check
 from adcs.by_name import linearize as linearize
 from adcs.by_name import run as run
 from adcs.by_name import steps as steps
@@ -10,7 +11,6 @@ from adcs.catalogue import systems as systems
 from fmus.build import build as build
 from fmus.catalog import components as components
 from fmus.errors import AdcsError as AdcsError
-from orchestration.checking import check as check
 from orchestration.plan.loops import LoopSolver as LoopSolver
 from orchestration.results.result import Result as Result
 from orchestration.results.result import RunFailed as RunFailed

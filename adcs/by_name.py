@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import wraps
 from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
-from adcs.catalogue import SYSTEMS, find_system
+from adcs.catalogue import SYSTEMS, find_system, fmus_meant
+from fmus.check import Finding
 from orchestration import named
+from orchestration.checking import check as check_fmu
 from orchestration.coupled import CoupledModel as CoupledModel
 from orchestration.linear.linearization import linearize as linearize_system
 from orchestration.running.run import run as run_system
@@ -42,6 +45,18 @@ def _by_name(
         return function(system, *args, **settings)
 
     return found
+
+
+def check(fmu: str | Path) -> list[Finding]:
+    """Everything that is found in an FMU that it or a run should not have; empty if it is fine.
+
+    `fmu` is the path of an `.fmu`, the name of a built component, whose FMUs are looked at, or a system, each of whose
+    components is: its name, or the path of its `.ssp`.
+    """
+    if not isinstance(fmu, str | Path) or Path(fmu).suffix == ".fmu" or (Path(fmu).is_file() and not is_ssp(fmu)):
+        return check_fmu(fmu)
+    found = ((path.name, finding) for path in fmus_meant(str(fmu)) for finding in check_fmu(path))
+    return [replace(finding, message=f"{name}: {finding.message}") for name, finding in found]
 
 
 run = _by_name(run_system)

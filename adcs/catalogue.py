@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import pkgutil
 from importlib import import_module
+from pathlib import Path
 
 from adcs import library
 from adcs.library.entry import StudyEntry
-from fmus import paths
+from fmus import catalog, paths
+from fmus.built import fmus_of
+from fmus.catalog import Component
 from fmus.errors import AdcsError, shown
 from fmus.spelling import close
 from orchestration.entry import SystemEntry
 from orchestration.from_file import component_alone, is_file, system_from_file
+from orchestration.ssp.names import is_ssp
 
 # Each folder of `library` brings its own, in its module `catalogue`.
 _BROUGHT = [
@@ -31,6 +35,26 @@ def systems() -> dict[str, SystemEntry]:
 def studies() -> dict[str, StudyEntry]:
     """Return the studies by name."""
     return dict(STUDIES)
+
+
+def find_component(name: str) -> Component:
+    """Return the component of this name; AdcsError, for whom a system or a file would do as well, if there is none."""
+    try:
+        return catalog.find(name, SYSTEMS)
+    except AdcsError as error:
+        raise AdcsError(f"{str(error).rstrip('?')}, or give a system, or an .fmu or .ssp file") from None
+
+
+def fmus_meant(name: str) -> list[Path]:
+    """Return the FMUs of a component, of all components of a system, or the one that has this path."""
+    if name in SYSTEMS or is_ssp(name):
+        parts = find_system(name).build().components.values()
+        return list(dict.fromkeys(path for part in parts for path in fmus_meant(str(part.source))))
+    if Path(name).suffix != ".fmu":
+        return fmus_of(find_component(name))
+    if not Path(name).is_file():
+        raise AdcsError(f"{name} is no file")
+    return [Path(name)]
 
 
 def find_system(name: str) -> SystemEntry:

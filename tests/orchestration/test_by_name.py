@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import pickle
 
 import numpy as np
 import pytest
 
-from adcs import AdcsError, CoupledModel, Session, System, linearize, read_ssp, run, steps, systems, write_ssp
+from adcs import AdcsError, CoupledModel, Session, System, check, linearize, read_ssp, run, steps, systems, write_ssp
+from adcs.cli.app import app
+from fmus.check import Finding
+from tests.invoking import invoke
 
 
 def test_a_name_is_a_system_with_its_times():
@@ -126,3 +130,40 @@ def test_a_wrong_name_costs_one_line(name, message):
     with pytest.raises(AdcsError) as error:
         run(name)
     assert str(error.value) == message
+
+
+def test_a_component_and_a_system_are_checked_by_name(tmp_path, monkeypatch):
+    seen = []
+    monkeypatch.setattr("adcs.by_name.check_fmu", lambda path: seen.append(path.name) or [Finding("run", "odd")])
+    assert check("RigidBody") == [Finding("run", f"{name}: odd") for name in ("RigidBody.fmu", "RigidBody.fmi3.fmu")]
+    write_ssp("observer-pd", tmp_path / "x.ssp")
+    parts = {part.source for part in systems()["observer-pd"].build().components.values()}
+    assert len(parts) == 5
+    for system, versions in (("observer-pd", ("", ".fmi3")), (tmp_path / "x.ssp", ("",))):
+        seen.clear()
+        check(system)
+        assert sorted(seen) == sorted(f"{part}{version}.fmu" for part in parts for version in versions)
+
+
+def test_the_command_checks_a_system(monkeypatch):
+    monkeypatch.setattr("adcs.cli.check.check", lambda path: [])
+    told = json.loads(invoke(app, ["check", "observer-pd", "--json"]).stdout)
+    assert len(told) == 10
+    assert all(report["findings"] == [] and report["path"].endswith(".fmu") for report in told)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        (
+            "RigidBdy",
+            "no component is called RigidBdy: did you mean RigidBody or OrbitingBody, or give a system, or an",
+        ),
+        ("none.ssp", "cannot open none.ssp: No such file or directory"),
+    ],
+)
+def test_what_cannot_be_checked_is_refused(name, message):
+    with pytest.raises(AdcsError) as error:
+        check(name)
+    assert str(error.value).startswith(message)
+    assert [finding.rule for finding in check("none.fmu")] == ["archive", "run"]

@@ -28,7 +28,8 @@ def check_command(
 ) -> None:
     """Check FMUs: standard, layout, binaries, what validators miss, and what a run refuses. Exit code 1 for faults.
 
-    Of a system, each component is checked. A note is about what no standard forbids, but what some machine or tool cannot do with.
+    Of a system, each component is checked. A note is about what no standard forbids, but what some machine or tool
+    cannot do with.
     """
     paths = [path for fmu in fmus for path in fmus_meant(fmu)] if fmus else all_built()
     findings: dict[Path, list[Finding]] = {}

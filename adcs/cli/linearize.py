@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from adcs.cli.command import Time, command
-from adcs.cli.options import SystemName, Which
+from adcs.cli.options import StartValues, SystemName
 from adcs.cli.words import full_name
 from fmus.errors import AdcsError
 from orchestration.system import System
@@ -33,7 +33,7 @@ _Names = Annotated[tuple[str, ...] | None, Parameter(metavar="NAMES")]
 def linearize(
     system: SystemName,
     /,
-    which: Which = Which(),
+    which: StartValues = StartValues(),
     *,
     at: Time = 0.0,
     inputs: _Names = None,

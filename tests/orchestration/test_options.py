@@ -11,7 +11,7 @@ from test_command_line import adcs
 from adcs import AdcsError, read_ssp, write_ssp
 from adcs.cli import words
 from adcs.cli.app import COMMANDS, app
-from adcs.cli.options import During, GroundTools, Report, Results, Solving, Steps, Streaming, Times, Which
+from adcs.cli.options import During, GroundTools, Report, Results, Solving, StartValues, Steps, Streaming, Times, Which
 from adcs.cli.run import at_in_one
 from adcs.cli.slips import RENAMED
 from orchestration.single import single
@@ -22,7 +22,7 @@ GROUPS = {
     "run": [Which, Times, Solving, During, Streaming, Results],
     "bridge": [Which, Times, GroundTools],
     "hil": [Which, Steps, Report],
-    "linearize": [Which],
+    "linearize": [StartValues],
     "export": [Which, Times],
 }
 TIMES = {
@@ -79,11 +79,22 @@ def test_all_commands_that_take_a_system_are_here():
     ],
 )
 def test_what_is_done_to_a_system_is_done_by_every_command(command, options, message, tmp_path, monkeypatch):
+    if options[0] not in options_of(command):
+        assert command == "linearize"
+        return
     monkeypatch.chdir(tmp_path)
     ended = invoke(app, [command, "observer-pd", *options])
     assert isinstance(ended.exception, AdcsError)
     assert message in str(ended.exception)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("option", ["--every", "--delay"])
+def test_what_only_steps_have_is_no_option_of_linearize(option, capsys):
+    assert {"--set", "--fmi"} <= options_of("linearize")
+    assert option not in options_of("linearize")
+    assert adcs("linearize", "observer-pd", option, "x=1") == 2
+    assert capsys.readouterr().err.startswith(f"adcs: Unknown option: {option}")
 
 
 @pytest.mark.parametrize("command", SYSTEM)

@@ -31,7 +31,7 @@ app = command(
     "bridge",
     "adcs bridge observer-pd",
     "adcs bridge observer-pd --real-time 4 --allow arm,param --set controller.k_p=3",
-    "adcs bridge observer-pd --to udpin:0.0.0.0:14550 --remote --peer 192.168.1.7 --key key.txt",
+    "adcs bridge observer-pd --to udpin:0.0.0.0:14550 --remote --key key.txt",
 )
 
 

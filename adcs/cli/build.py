@@ -13,7 +13,9 @@ from adcs.cli.printing import ERR, OUT, Json, print_json
 from fmus.build import build
 from fmus.catalog import find
 
-app = command("build", "adcs build", "adcs build RigidBody PdTracking", "adcs build --all-platforms")
+app = command(
+    "build", "adcs build", "adcs build RigidBody PdTracking", "adcs build --all-platforms", takes="[NAMES...]"
+)
 
 
 @app.default

@@ -18,7 +18,14 @@ from fmus.built import all_built
 from fmus.check import Finding
 from orchestration.checking import check
 
-app = command("check", "adcs check", "adcs check RigidBody", "adcs check observer-pd", "adcs check path/to/some.fmu")
+app = command(
+    "check",
+    "adcs check",
+    "adcs check RigidBody",
+    "adcs check observer-pd",
+    "adcs check path/to/some.fmu",
+    takes="[FMUS...]",
+)
 
 
 @app.default

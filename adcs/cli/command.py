@@ -21,15 +21,19 @@ _Class = TypeVar("_Class")
 _titles: dict[str, int] = {}  # and where they stand in the help
 
 
-def command(name: str, *examples: str) -> App:
-    """Return the command `adcs NAME`, whose help ends with examples; its function is what `.default` decorates."""
+def command(name: str, *examples: str, takes: str = "") -> App:
+    """Return the command `adcs NAME`, whose help ends with examples; its function is what `.default` decorates.
+
+    `takes` are its arguments as the usage names them, where some may be left out.
+    """
     style = Parameter(negative=(), allow_repeating=True, show_default=_default)
-    lines = "".join(f"    {example}\n" for example in examples)
+    lines = "  \n".join(["Examples:", *(f"`{example}`" for example in examples)])  # blanks at an end break a line
     return App(
         name=name,
         default_parameter=style,
         help_format="markdown",
-        help_epilogue=f"Examples:\n\n{lines}" if examples else None,
+        help_epilogue=lines if examples else None,
+        usage=f"adcs {name} [OPTIONS] {takes}" if takes else None,
         exit_on_error=False,
         print_error=False,
         result_action="return_value",

@@ -18,6 +18,7 @@ app = command(
     "adcs export observer-pd",
     "adcs export observer-pd out/t5.ssp --fmi 3 --stop 5min",
     "adcs export theirs.ssp ours.ssp --set plant.J_B=[[10,0,0],[0,19,0],[0,0,25]]",
+    takes="SYSTEM [FILE]",
 )
 
 

@@ -26,7 +26,7 @@ from orchestration.results.result import Result, RunFailed, RunInterrupted
 app = command(
     "hil",
     "adcs hil hil-spacecraft",
-    "adcs hil hil-spacecraft --frame eci --max-torque 0.2,0.2,0.1 --stop 10min --out results/flight",
+    "adcs hil hil-spacecraft --frame eci --max-torque 0.2 --stop 10min --out flight",
     "adcs hil hil-spacecraft --free-running --answer-timeout 2s",
 )
 

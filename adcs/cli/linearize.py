@@ -23,7 +23,7 @@ app = command(
     "linearize",
     "adcs linearize PdTracking --set k_v=5",
     "adcs linearize observer-pd --at 1min --minimal --out loop.mat",
-    "adcs linearize full-state-pd --open plant.torque_B --inputs plant.torque_B --outputs controller.torque_B",
+    "adcs linearize full-state-pd --open plant.torque_B --inputs plant.torque_B",
 )
 
 _Names = Annotated[tuple[str, ...] | None, Parameter(metavar="NAMES")]

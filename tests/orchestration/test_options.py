@@ -167,7 +167,16 @@ def test_help_fits_80_columns_and_ends_with_examples_that_are_good(command, caps
     assert max(map(len, shown.splitlines())) <= 80
     head, _, _ = shown.rpartition("Examples:")
     assert all(f"{option} " in head for option in options_of(command))
-    examples = [shlex.split(line) for line in app[command].help_epilogue.splitlines() if "adcs" in line]
+    below = [line.rstrip() for line in shown.rpartition("Examples:")[2].strip().splitlines()]
+    assert below == [
+        line.strip(" `") for line in app[command].help_epilogue.splitlines()[1:]
+    ]  # each in a line of its own
+    usage, *_ = shown.splitlines()
+    assert usage.startswith(f"Usage: adcs {command} ") and "ARGS" not in usage
+    for argument in arguments_of(command):
+        if not argument.names[0].startswith("-"):
+            assert argument.names[0] in usage
+    examples = [shlex.split(line.strip(" `")) for line in app[command].help_epilogue.splitlines() if "adcs" in line]
     assert examples
     for name, *arguments in examples:
         assert name == "adcs" and arguments[0] == command

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from contextlib import suppress
-from math import isfinite, nan
 from typing import Any
 
 from fmus.errors import AdcsError, shown
 from fmus.spelling import hint
 from orchestration.fmu.values import parse_value
 from orchestration.system import System
+from orchestration.times import time as time
 
 
 def assigned(system: System, assignment: str, option: str = "--set") -> tuple[str, Any]:
@@ -93,25 +92,6 @@ def delay(system: System, assignment: str) -> None:
         raise AdcsError(f"--delay {shown(assignment)}: give a whole number of steps, or a time as in 0.1s")
     else:
         system.delay(name, seconds=seconds(text, f"--delay {shown(name)}"))
-
-
-_UNITS = {"": 1.0, "us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0}  # s
-_TIME = re.compile(r"\s*(?P<number>[-+]?[.\d]+(?:[eE][-+]?\d+)?)\s*(?P<unit>[^\s\d.]*)\s*", re.ASCII)
-
-
-def time(text: str) -> float:
-    """Read a time [s] with or without a unit; ValueError if it is none."""
-    match = _TIME.fullmatch(text)
-    found = nan
-    if match is not None:
-        with suppress(ValueError):
-            found = float(match["number"]) * _UNITS.get(match["unit"], 1.0)
-    if match is None or not isfinite(found):
-        raise ValueError(f"{shown(repr(text))} is not a time, write 120s, 0.1s, 5ms, 2min or 1h")
-    if match["unit"] not in _UNITS:
-        known = " or ".join(filter(None, _UNITS))
-        raise ValueError(f"{shown(repr(text))} is not a time: {shown(repr(match['unit']), 40)} is no unit, use {known}")
-    return found
 
 
 def seconds(text: str, what: str) -> float:

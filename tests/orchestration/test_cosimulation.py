@@ -215,8 +215,8 @@ def test_what_is_recorded(chain):
         ({"record_every": 0}, "record_every = 0: expected a whole number of steps from 1"),
         (
             {"until": "typed.y"},
-            "condition 'typed.y': 'typed.y' at character 1 is no comparison; write it as in norm(plant.omega_BN_B) < 1e-3 "
-            "and time > 20s",
+            "condition 'typed.y': 'typed.y' at character 1 is no comparison; write it as in norm(plant.omega_BN_B) < "
+            "1e-3 and time > 20s",
         ),
         ({"real_time": 0.0}, "speed = 0.0: expected a positive number, 1 for real time"),
         ({"timeout": 0.0}, "timeout = 0.0: expected a positive number"),

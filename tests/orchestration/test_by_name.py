@@ -95,6 +95,16 @@ def test_a_name_is_written_with_its_times(tmp_path):
     assert (tmp_path / "y.ssp").read_bytes() == (tmp_path / "x.ssp").read_bytes()
 
 
+def test_times_that_nobody_gave_are_not_written(tmp_path):
+    plain = System("plain")
+    plain.add("plant", "RigidBody")
+    write_ssp(plain, tmp_path / "none.ssp")
+    write_ssp(tmp_path / "none.ssp", tmp_path / "again.ssp")
+    write_ssp(tmp_path / "none.ssp", tmp_path / "given.ssp", step=0.5)
+    found = [read_ssp(tmp_path / f"{name}.ssp") for name in ("none", "again", "given")]
+    assert [(file.stop_time, file.step) for file in found] == [(None, None), (None, None), (None, 0.5)]
+
+
 @pytest.mark.parametrize(
     ("made", "message"),
     [

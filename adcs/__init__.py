@@ -27,7 +27,9 @@ def _homes() -> dict[str, str]:
 
 def __getattr__(name: str) -> Any:
     if name not in _homes():
-        raise AttributeError(f"adcs has no {name!r}; it has {', '.join(_homes())}")
+        from fmus.spelling import hint
+
+        raise AttributeError(f"adcs has no {name!r}; {hint(name, _homes())}")
     globals()[name] = found = getattr(import_module(_homes()[name]), name)
     return found
 

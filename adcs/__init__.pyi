@@ -1,14 +1,16 @@
 # What `import adcs` gives. `__init__.py` reads it to load each name when it is first used.
+from adcs.by_name import CoupledModel as CoupledModel
+from adcs.by_name import Session as Session
+from adcs.by_name import check as check
 from adcs.by_name import linearize as linearize
 from adcs.by_name import run as run
 from adcs.by_name import steps as steps
+from adcs.by_name import write_ssp as write_ssp
 from adcs.catalogue import studies as studies
 from adcs.catalogue import systems as systems
 from fmus.build import build as build
 from fmus.catalog import components as components
 from fmus.errors import AdcsError as AdcsError
-from orchestration.checking import check as check
-from orchestration.coupled import CoupledModel as CoupledModel
 from orchestration.plan.loops import LoopSolver as LoopSolver
 from orchestration.results.result import Result as Result
 from orchestration.results.result import RunFailed as RunFailed
@@ -26,8 +28,6 @@ from orchestration.running.method import ModelExchange as ModelExchange
 from orchestration.running.rerun import Rerun as Rerun
 from orchestration.running.rerun import rerun as rerun
 from orchestration.running.save import Save as Save
-from orchestration.running.session import Session as Session
 from orchestration.ssp import read_ssp as read_ssp
-from orchestration.ssp import write_ssp as write_ssp
 from orchestration.system import Connection as Connection
 from orchestration.system import System as System

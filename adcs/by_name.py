@@ -3,41 +3,61 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import wraps
 from pathlib import Path
-from typing import Any, Concatenate, ParamSpec, TypeVar
+from typing import ParamSpec, TypeVar
 
-from adcs.catalogue import SYSTEMS, find_system
+from adcs.catalogue import find_system, fmus_meant
 from adcs.renamed import refuse_old
-from orchestration import expected
+from fmus.check import Finding
+from orchestration import expected, named
+from orchestration.checking import check as check_fmu
+from orchestration.coupled import CoupledModel as CoupledModel
 from orchestration.linear.linearization import linearize as linearize_system
 from orchestration.running.run import run as run_system
-from orchestration.running.session import steps as steps_of_system
+from orchestration.running.session import Session as Session
+from orchestration.running.session import steps as steps
+from orchestration.ssp import write_ssp as write_ssp
 from orchestration.ssp.names import is_ssp
 from orchestration.system import System
+from orchestration.times import Seconds
 
-Settings = ParamSpec("Settings")
-Found = TypeVar("Found")
+Arguments = ParamSpec("Arguments")
+Returned = TypeVar("Returned")
 
 
-def _by_name(
-    function: Callable[Concatenate[System, Settings], Found], takes: Callable[[str], bool] = lambda name: True
-) -> Callable[Concatenate[System | str | Path, Settings], Found]:
-    """Let a function take names and files for which `takes` holds; others it takes as they are."""
+def _found(name: str, step: Seconds | None) -> System:
+    """Return a system with its times; AdcsError if there is none, or it refuses the exchange step."""
+    entry = find_system(name)
+    if step is not None:
+        entry.check_step(expected.seconds("step", step))
+    return entry.built()
+
+
+def _telling_old_names(function: Callable[Arguments, Returned]) -> Callable[Arguments, Returned]:
+    """Let a function tell what stands for arguments of one version ago."""
 
     @wraps(function)
-    def found(system: Any, /, *args: Settings.args, **settings: Settings.kwargs) -> Found:
-        refuse_old(function.__name__, settings)
-        if isinstance(system, str | Path) and takes(str(system)):
-            entry = find_system(str(system))
-            if (step := settings.get("step")) is not None:
-                entry.check_step(expected.seconds("step", step))
-            system = entry.built()
-        return function(system, *args, **settings)
+    def told(*args: Arguments.args, **given: Arguments.kwargs) -> Returned:
+        refuse_old(function.__name__, given)
+        return function(*args, **given)
 
-    return found
+    return told
 
 
-run = _by_name(run_system)
-steps = _by_name(steps_of_system)
-linearize = _by_name(linearize_system, lambda name: name in SYSTEMS or is_ssp(name))  # an FMU may be given start values
+def check(fmu: str | Path) -> list[Finding]:
+    """Everything that is found in an FMU that it or a run should not have; empty if it is fine.
+
+    `fmu` is the path of an `.fmu`, the name of a built component, whose FMUs are looked at, or a system, each of whose
+    components is: its name, or the path of its `.ssp`.
+    """
+    if not isinstance(fmu, str | Path) or Path(fmu).suffix == ".fmu" or (Path(fmu).is_file() and not is_ssp(fmu)):
+        return check_fmu(fmu)
+    found = ((path.name, finding) for path in fmus_meant(str(fmu)) for finding in check_fmu(path))
+    return [replace(finding, message=f"{name}: {finding.message}") for name, finding in found]
+
+
+run = _telling_old_names(run_system)
+linearize = _telling_old_names(linearize_system)
+named.find_by(_found)

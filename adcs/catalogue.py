@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import pkgutil
-from difflib import get_close_matches
 from importlib import import_module
+from pathlib import Path
 
 from adcs import library
 from adcs.library.entry import StudyEntry
-from fmus import paths
-from fmus.errors import AdcsError
+from fmus import catalog, paths
+from fmus.built import fmus_of
+from fmus.catalog import Component
+from fmus.errors import AdcsError, shown
+from fmus.spelling import close
 from orchestration.entry import SystemEntry
 from orchestration.from_file import component_alone, is_file, system_from_file
+from orchestration.ssp.names import is_ssp
 
 # Each folder of `library` brings its own, in its module `catalogue`.
 _BROUGHT = [
@@ -33,14 +37,35 @@ def studies() -> dict[str, StudyEntry]:
     return dict(STUDIES)
 
 
+def find_component(name: str) -> Component:
+    """Return the component of this name; AdcsError, for whom a system or a file would do as well, if there is none."""
+    try:
+        return catalog.find(name, SYSTEMS)
+    except AdcsError as error:
+        raise AdcsError(f"{str(error).rstrip('?')}, or give a system, or an .fmu or .ssp file") from None
+
+
+def fmus_meant(name: str) -> list[Path]:
+    """Return the FMUs of a component, of all components of a system, or the one that has this path."""
+    if name in SYSTEMS or is_ssp(name):
+        parts = find_system(name).build().components.values()
+        return list(dict.fromkeys(path for part in parts for path in fmus_meant(str(part.source))))
+    if Path(name).suffix != ".fmu":
+        return fmus_of(find_component(name))
+    if not Path(name).is_file():
+        raise AdcsError(f"{name} is no file")
+    return [Path(name)]
+
+
 def find_system(name: str) -> SystemEntry:
     """Return what the name of a system or component, or the path of a file, stands for; AdcsError if it is no such."""
     if is_file(name):
         return system_from_file(name)
     if name not in SYSTEMS:
-        if any((paths.DIST / f"{name}{version}.fmu").is_file() for version in ("", ".fmi3")):
+        built = sorted({path.name.partition(".")[0] for path in paths.DIST.glob("*.fmu")})
+        if name in built:
             return component_alone(name)
-        close = get_close_matches(name, SYSTEMS, 3, 0.5)
-        hint = f"did you mean {' or '.join(close)}" if close else f"choose one of {', '.join(SYSTEMS)}"
-        raise AdcsError(f"no system {name!r}: {hint}, or give a built component (`adcs list`), an .ssp or .fmu file")
+        meant = close(name, [*SYSTEMS, *built])
+        hint = f"did you mean {meant}? " if meant else ""
+        raise AdcsError(f"no system {shown(repr(name))}: {hint}`adcs list` shows all; or give an .ssp or .fmu file")
     return SYSTEMS[name]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from fmus import catalog
 from fmus.catalog import Component
-from fmus.errors import AdcsError
+from fmus.errors import Failed
 from fmus.pack import FILE_NAMES
 from fmus.paths import DIST
 
@@ -22,18 +22,14 @@ def all_built() -> list[Path]:
     return _existing(path for component in catalog.components() for path in paths(component).values())
 
 
-def fmus_of(name_or_path: str) -> list[Path]:
-    """Return the FMUs of a component, or the file of that path; AdcsError if there is none."""
-    if Path(name_or_path).suffix == ".fmu":
-        if not Path(name_or_path).is_file():
-            raise AdcsError(f"{name_or_path} is no file")
-        return [Path(name_or_path)]
-    return _existing(paths(catalog.find(name_or_path)).values())
+def fmus_of(component: Component) -> list[Path]:
+    """Return the FMUs of a component; AdcsError if there is none."""
+    return _existing(paths(component).values())
 
 
 def _existing(wanted: Iterable[Path]) -> list[Path]:
     wanted = list(wanted)
     existing = [path for path in wanted if path.is_file()]
     if not existing:
-        raise AdcsError(f"{wanted[0].name} is not built: run: adcs build")
+        raise Failed(f"{wanted[0].name} is not built: run: adcs build")
     return existing

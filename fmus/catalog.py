@@ -1,12 +1,13 @@
 """The components: one C++ header each, found in the source tree."""
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 
 from fmus.errors import AdcsError
 from fmus.paths import SOURCES
+from fmus.spelling import close
 
 KINDS = {
     "guidance": "guidance",
@@ -54,13 +55,14 @@ def components() -> list[Component]:
     ]
 
 
-def find(name: str) -> Component:
-    """The component called `name`; AdcsError if there is none."""
+def find(name: str, others: Iterable[str] = ()) -> Component:
+    """The component called `name`; AdcsError if there is none, which one of the `others` may have been meant by."""
     known = {c.name: c for c in components()}
     if name not in known:
-        close = get_close_matches(name, known, 1, 0.4)
-        hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(known)}"
-        raise AdcsError(f"no component is called {name}: {hint}")
+        meant = close(name, [*known, *others])
+        raise AdcsError(
+            f"no component is called {name}: {f'did you mean {meant}?' if meant else '`adcs list` shows all'}"
+        )
     return known[name]
 
 

@@ -4,6 +4,15 @@
 class AdcsError(Exception):
     """A refusal in one line: what is wrong, with its value, and the way out."""
 
+    failed = False
+    """Whether it came of what was done, not of what was asked for: the command line ends with 1 then, else with 2."""
+
+
+class Failed(AdcsError):
+    """What was asked for is right, and could not be done."""
+
+    failed = True
+
 
 class Unsupported(AdcsError):
     """A refusal of what no standard forbids, but what is not done here, or not on this machine."""

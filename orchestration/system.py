@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.errors import AdcsError, shown
+from fmus.spelling import hint
 from orchestration import expected, overview
 from orchestration.fmu.file import FmiVersion, Fmu, Port, locate, open_fmu
 from orchestration.fmu.nodes import Place
@@ -123,11 +123,15 @@ class Ends:
 
 @dataclass(frozen=True)
 class Times:
-    """How a system is run where nothing else is said: from `start` to `stop` in exchange steps of `step` (s)."""
+    """How a system is run where nothing else is said: from `start` to `stop` in exchange steps of `step` (s).
+
+    `assumed` names those, `stop_time` or `step`, that its file does not give.
+    """
 
     start: float
     stop: float
     step: float
+    assumed: Sequence[str] = ()
 
 
 class System:
@@ -363,7 +367,7 @@ class System:
         component, _, _ = name.partition(".")
         if component not in self.components:
             raise AdcsError(
-                f"{name!r}: system {self.name!r} has no component {component!r}{_hint(component, self.components)}"
+                f"{name!r}: system {self.name!r} has no component {component!r}: {hint(component, self.components)}"
             )
         return Ends({component: self.components[component].fmu})(name)
 
@@ -520,7 +524,7 @@ def _loses(source: str, target: str, scale: Scale) -> bool:
 def _port(component: str, fmu: Fmu, variable: str) -> Port:
     if variable not in fmu.ports:
         raise AdcsError(
-            f"component {component!r} ({fmu.path.name}) has no variable {variable!r}{_hint(variable, fmu.ports)}"
+            f"component {component!r} ({fmu.path.name}) has no variable {variable!r}: {hint(variable, fmu.ports)}"
         )
     return fmu.ports[variable]
 
@@ -621,11 +625,3 @@ def _refuse_misfit(name: str, port: Port, value: Value, flat: NDArray[Any]) -> N
     misfit = first_misfit(port.type, flat)
     if misfit is not None:
         raise AdcsError(f"{name} = {value!r}{misfit[1]}")
-
-
-def _hint(name: str, known: Iterable[str]) -> str:
-    close = difflib.get_close_matches(name, list(known), 3, 0.5)
-    if close:
-        return f": did you mean {' or '.join(close)}?"
-    names = list(known)
-    return f": it has {', '.join(names[:20]) or 'none'}{', ...' if len(names) > 20 else ''}"

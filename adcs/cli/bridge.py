@@ -10,7 +10,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from adcs.cli.command import Speed, command
+from adcs.cli.command import Speed, at_work, command
 from adcs.cli.ground_tools import attached
 from adcs.cli.options import GroundTools, SystemName, Times, Which
 from fmus.errors import AdcsError
@@ -33,7 +33,7 @@ app = command(
     "bridge",
     "adcs bridge observer-pd",
     "adcs bridge observer-pd --real-time 4 --allow arm,param --set controller.k_p=3",
-    "adcs bridge observer-pd --to udpin:0.0.0.0:14550 --remote --peer 192.168.1.7 --key key.txt",
+    "adcs bridge observer-pd --to udpin:0.0.0.0:14550 --remote --key key.txt",
 )
 
 
@@ -72,6 +72,7 @@ def bridge(
         hook.prepare(Outline(built, grid, recording, CoSimulation(), Save(), which.fmi_version))
     console = Console(stderr=True)
     with (
+        at_work(),
         Session(built, step=step, start_time=start, steps=steps, fmi_version=which.fmi_version) as simulation,
         watcher,
     ):

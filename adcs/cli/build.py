@@ -8,11 +8,14 @@ from cyclopts import Parameter
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from adcs.cli.command import command
+from adcs.cli.command import at_work, command
 from adcs.cli.printing import ERR, OUT, Json, print_json
 from fmus.build import build
+from fmus.catalog import find
 
-app = command("build", "adcs build", "adcs build RigidBody PdTracking", "adcs build --all-platforms")
+app = command(
+    "build", "adcs build", "adcs build RigidBody PdTracking", "adcs build --all-platforms", takes="[NAMES...]"
+)
 
 
 @app.default
@@ -22,8 +25,10 @@ def build_command(
     as_json: Json = False,
 ) -> None:
     """Build FMUs, for FMI 2.0 and 3.0; what is up to date stays."""
+    for name in names:
+        find(name)
     columns = (TextColumn("{task.description:<44}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=ERR, transient=True, disable=as_json) as bar:
+    with at_work(), Progress(*columns, console=ERR, transient=True, disable=as_json) as bar:
         task = bar.add_task("compiling", total=None)
 
         def show(done: int, total: int, what: str) -> None:

@@ -11,25 +11,34 @@ from cyclopts import Parameter
 from rich.markup import escape
 from rich.table import Column, Table
 
+from adcs.catalogue import fmus_meant
 from adcs.cli.command import command
 from adcs.cli.printing import ERR, OUT, Json, print_json
-from fmus.built import all_built, fmus_of
+from fmus.built import all_built
 from fmus.check import Finding
 from orchestration.checking import check
 
-app = command("check", "adcs check", "adcs check RigidBody", "adcs check path/to/some.fmu")
+app = command(
+    "check",
+    "adcs check",
+    "adcs check RigidBody",
+    "adcs check observer-pd",
+    "adcs check path/to/some.fmu",
+    takes="[FMUS...]",
+)
 
 
 @app.default
 def check_command(
-    *fmus: Annotated[str, Parameter(help="Components or paths of FMUs; all built components if left out.")],
+    *fmus: Annotated[str, Parameter(help="Components, systems, .fmu or .ssp files; all built components if left out.")],
     as_json: Json = False,
 ) -> None:
     """Check FMUs: standard, layout, binaries, what validators miss, and what a run refuses. Exit code 1 for faults.
 
-    A note is about what no standard forbids, but what some machine or tool cannot do with.
+    Of a system, each component is checked. A note is about what no standard forbids, but what some machine or tool
+    cannot do with.
     """
-    paths = [path for fmu in fmus for path in fmus_of(fmu)] if fmus else all_built()
+    paths = [path for fmu in fmus for path in fmus_meant(fmu)] if fmus else all_built()
     findings: dict[Path, list[Finding]] = {}
     with ERR.status("checking ...") as status:
         for path in paths:

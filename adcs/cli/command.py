@@ -6,7 +6,8 @@ has the group as a parameter.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from copy import copy
 from dataclasses import dataclass, fields
 from datetime import datetime
@@ -14,21 +15,26 @@ from typing import Annotated, Any, TypeVar, dataclass_transform, get_type_hints
 
 from cyclopts import App, Group, Parameter, Token
 
+from fmus.errors import AdcsError
 from orchestration import times
 
 _Class = TypeVar("_Class")
 _titles: dict[str, int] = {}  # and where they stand in the help
 
 
-def command(name: str, *examples: str) -> App:
-    """Return the command `adcs NAME`, whose help ends with examples; its function is what `.default` decorates."""
+def command(name: str, *examples: str, takes: str = "") -> App:
+    """Return the command `adcs NAME`, whose help ends with examples; its function is what `.default` decorates.
+
+    `takes` are its arguments as the usage names them, where some may be left out.
+    """
     style = Parameter(negative=(), allow_repeating=True, show_default=_default)
-    lines = "".join(f"    {example}\n" for example in examples)
+    lines = "  \n".join(["Examples:", *(f"`{example}`" for example in examples)])  # blanks at an end break a line
     return App(
         name=name,
         default_parameter=style,
         help_format="markdown",
-        help_epilogue=f"Examples:\n\n{lines}" if examples else None,
+        help_epilogue=lines if examples else None,
+        usage=f"adcs {name} [OPTIONS] {takes}" if takes else None,
         exit_on_error=False,
         print_error=False,
         result_action="return_value",
@@ -64,6 +70,16 @@ def given(options: Any) -> dict[str, str]:
     return {f"--{name.replace('_', '-')}": name for name in changed}
 
 
+@contextmanager
+def at_work() -> Iterator[None]:
+    """What is refused within has failed: what was asked for was right."""
+    try:
+        yield
+    except AdcsError as error:
+        error.failed = True
+        raise
+
+
 def _seconds(kind: Any, tokens: tuple[Token, ...]) -> float:
     return times.seconds(tokens[0].value)
 
@@ -93,7 +109,13 @@ Whole = Annotated[int, Parameter(converter=_whole, metavar="N", allow_leading_hy
 Speed = Annotated[float, Parameter(metavar="SPEED", show_default=lambda value: None if value is None else f"{value:g}")]
 """How many simulated seconds go by in one on the clock."""
 
-Epoch = Annotated[
-    datetime, Parameter(converter=lambda kind, tokens: datetime.fromisoformat(tokens[0].value), metavar="UTC")
-]
+
+def _moment(kind: Any, tokens: tuple[Token, ...]) -> datetime:
+    try:
+        return datetime.fromisoformat(tokens[0].value)
+    except ValueError:
+        raise ValueError(f"{tokens[0].value!r} is no date, write 2026-03-21 or 2026-03-21T12:00:00") from None
+
+
+Epoch = Annotated[datetime, Parameter(converter=_moment, metavar="UTC")]
 """The moment of t = 0: a date with or without a time, UTC where it has no time zone."""

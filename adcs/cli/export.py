@@ -18,6 +18,7 @@ app = command(
     "adcs export observer-pd",
     "adcs export observer-pd out/t5.ssp --fmi 3 --stop 5min",
     "adcs export theirs.ssp ours.ssp --set plant.J_B=[[10,0,0],[0,19,0],[0,0,25]]",
+    takes="SYSTEM [FILE]",
 )
 
 
@@ -30,6 +31,7 @@ def export(
     times: Times = Times(),
     *,
     out: Annotated[Path | None, Parameter(help="The file, where it is no argument.", show_default=False)] = None,
+    force: Annotated[bool, Parameter(help="Replace the file if it is there already.")] = False,
     ssp: Annotated[bool, Parameter(help="The format, and the only one so far.", show_default=False)] = True,
 ) -> None:
     """Write a system with its FMUs and start values into one file that other tools can read."""
@@ -47,6 +49,8 @@ def export(
         raise AdcsError(f"{target} does not end in .ssp: write adcs export SYSTEM --ssp FILE.ssp")
     if target.is_dir():
         raise AdcsError(f"{target} is a folder: give the name of a file in it")
+    if target.is_file() and not force:
+        raise AdcsError(f"{target} is there already: give another name, or --force to replace it")
     entry, built = which.built(system)
     write_ssp(
         built,
@@ -55,6 +59,7 @@ def export(
         stop_time=None if times.stop is None and "stop_time" in entry.assumed else times.stop_of(entry),
         step=None if times.step is None and "step" in entry.assumed else times.step_of(entry),
         fmi_version=which.fmi_version,
+        force=force,
     )
     size = target.stat().st_size / 1e6
     print(f"{target}: {len(built.components)} components, {len(built.connections)} connections, {size:.1f} MB")

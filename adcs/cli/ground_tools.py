@@ -8,6 +8,7 @@ from hil_bridge.ground.attach import Bridge, Recorder, log_only
 from hil_bridge.ground.commands import make_commandable
 from hil_bridge.ground.endpoints import DEFAULTS
 from hil_bridge.ground.mapping import find
+from hil_bridge.ground.security import Keyring
 from hil_bridge.ground.settings import ALLOWED, Settings
 from orchestration.system import System
 
@@ -23,6 +24,8 @@ def attached(
     for word in allow:
         if word not in ALLOWED:
             raise AdcsError(f"--allow {word}: expected some of {', '.join(ALLOWED)}, separated by commas")
+    if tools.key is not None:
+        Keyring.open(tools.key)  # which another process reads, and is refused now
     signals = find(system, tools.map, tools.show)
     settings = Settings(
         system=system.name,

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 from rich.console import Console
 
-from adcs.cli.command import Epoch, Speed, Time, Whole, command, group
+from adcs.cli.command import Epoch, Speed, Time, Whole, at_work, command, group
 from adcs.cli.options import Report, Steps, SystemName, Which
 from adcs.cli.showing import as_json, exit_code, progress, show, write_files, write_report
 from fmus.errors import AdcsError
@@ -26,7 +26,7 @@ from orchestration.results.result import Result, RunFailed, RunInterrupted
 app = command(
     "hil",
     "adcs hil hil-spacecraft",
-    "adcs hil hil-spacecraft --frame eci --max-torque 0.2,0.2,0.1 --stop 10min --out results/flight",
+    "adcs hil hil-spacecraft --frame eci --max-torque 0.2 --stop 10min --out flight",
     "adcs hil hil-spacecraft --free-running --answer-timeout 2s",
 )
 
@@ -106,7 +106,7 @@ def hil(
         server = Server(connection.host, connection.port, connection.remote)
         console = Console(stderr=True)
         console.print(f"waiting for an autopilot on {server.host}:{server.port}", highlight=False, soft_wrap=True)
-        with server.autopilot(connection.wait, connection.answer_timeout) as link:
+        with at_work(), server.autopilot(connection.wait, connection.answer_timeout) as link:
             console.print(f"autopilot at {link.peer} connected", highlight=False, soft_wrap=True)
             flight = Flight(built, link, wiring, effect, terms)
             settings = {

@@ -13,14 +13,13 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from adcs.catalogue import SYSTEMS
-from adcs.cli.command import command
+from adcs.catalogue import SYSTEMS, find_component
+from adcs.cli.command import at_work, command
 from adcs.cli.printing import ERR, OUT, Json, print_json
-from fmus import catalog
 from fmus.build import describe
 from fmus.built import paths
+from fmus.catalog import Component
 from fmus.describe import Variable
-from fmus.errors import AdcsError
 from fmus.freshness import warn_if_outdated
 from orchestration.fmu.file import Fmu, Port, open_fmu
 from orchestration.ssp.names import is_ssp
@@ -48,10 +47,7 @@ def info(
         entry = SYSTEMS[name]
         facts = _parts(entry.build(), entry.start_time, entry.stop_time, entry.step)
     else:
-        try:
-            _show_component(name, as_json)
-        except AdcsError as error:
-            raise AdcsError(f"{str(error).rstrip('?')}, or give a system, or an .fmu or .ssp file") from None
+        _show_component(find_component(name), as_json)
         return
     if as_json:
         print_json(facts)
@@ -59,13 +55,12 @@ def info(
         _show(facts)
 
 
-def _show_component(name: str, as_json: bool) -> None:
-    """Print what a component declares, which the component itself is asked for; AdcsError if there is none."""
-    component = catalog.find(name)
+def _show_component(component: Component, as_json: bool) -> None:
+    """Print what a component declares, which the component itself is asked for."""
     for path in paths(component).values():
-        warn_if_outdated(name, path)
-    with ERR.status("asking the component ...") if not as_json else ERR.capture():
-        description = describe(name)
+        warn_if_outdated(component.name, path)
+    with at_work(), ERR.status("asking the component ...") if not as_json else ERR.capture():
+        description = describe(component.name)
     if as_json:
         print_json({"kind": component.kind, **asdict(description)})
         return

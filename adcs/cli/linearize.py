@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from adcs.cli.command import Time, command
-from adcs.cli.options import SystemName, Which
+from adcs.cli.options import StartValues, SystemName
 from adcs.cli.words import full_name
 from fmus.errors import AdcsError
 from orchestration.system import System
@@ -23,7 +23,7 @@ app = command(
     "linearize",
     "adcs linearize PdTracking --set k_v=5",
     "adcs linearize observer-pd --at 1min --minimal --out loop.mat",
-    "adcs linearize full-state-pd --open plant.torque_B --inputs plant.torque_B --outputs controller.torque_B",
+    "adcs linearize full-state-pd --open plant.torque_B --inputs plant.torque_B",
 )
 
 _Names = Annotated[tuple[str, ...] | None, Parameter(metavar="NAMES")]
@@ -33,7 +33,7 @@ _Names = Annotated[tuple[str, ...] | None, Parameter(metavar="NAMES")]
 def linearize(
     system: SystemName,
     /,
-    which: Which = Which(),
+    which: StartValues = StartValues(),
     *,
     at: Time = 0.0,
     inputs: _Names = None,
@@ -86,7 +86,10 @@ def _names(system: System, texts: Sequence[str] | None) -> list[str] | None:
     if texts is None:
         return None
     words = [word.strip() for text in texts for word in re.split(r",(?![^\[]*\])", text)]
-    return [full_name(system, word) for word in words if word]
+    names = [full_name(system, word) for word in words if word]
+    for name in names:
+        system.end(name)
+    return names
 
 
 def _show(found: StateSpace, alone: str | None, out: Path | None) -> None:

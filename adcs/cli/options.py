@@ -37,15 +37,11 @@ SystemName = Annotated[
 
 
 @group("System")
-class Which:
-    """What is done to the system that is named, before anything happens with it."""
+class StartValues:
+    """What is done to the system that is named, before anything happens with it, where time is continuous."""
 
     set: Annotated[tuple[str, ...], Parameter(metavar="NAME=VALUE")] = ()
     """Start value of a COMPONENT.VARIABLE; may be repeated. VALUE is 1.5, 0.05deg, 1,2,3 or [[1,2],[3,4]]."""
-    every: Annotated[tuple[str, ...], Parameter(metavar="COMPONENT=N")] = ()
-    """Let a component communicate at every N-th step only; may be repeated."""
-    delay: Annotated[tuple[str, ...], Parameter(metavar="INPUT=N|TIME")] = ()
-    """Delay what arrives at a connected input by N steps, or by a time as in 0.1s; may be repeated."""
     fmi: Literal["2", "3"] | None = None
     """FMI version of the components that are known by name. [default: 2]"""
 
@@ -59,6 +55,21 @@ class Which:
         entry = find_system(name)
         system = entry.build()
         words.assign(system, self.set)
+        return entry, system
+
+
+@group("System")
+class Which(StartValues):
+    """The same where there are steps."""
+
+    every: Annotated[tuple[str, ...], Parameter(metavar="COMPONENT=N")] = ()
+    """Let a component communicate at every N-th step only; may be repeated."""
+    delay: Annotated[tuple[str, ...], Parameter(metavar="INPUT=N|TIME")] = ()
+    """Delay what arrives at a connected input by N steps, or by a time as in 0.1s; may be repeated."""
+
+    def built(self, name: str) -> tuple[SystemEntry, System]:
+        """Find a system, build it and do to it what the options say."""
+        entry, system = super().built(name)
         for text in self.every:
             words.every(system, text)
         for text in self.delay:

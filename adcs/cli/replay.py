@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -10,7 +12,6 @@ from rich.console import Console
 
 from adcs.cli.command import Speed, Time, command
 from adcs.cli.options import Endpoints
-from fmus.errors import AdcsError
 from hil_bridge.ground.endpoints import DEFAULTS, Place
 from hil_bridge.ground.replay import replay as replay_log
 
@@ -41,5 +42,6 @@ def replay(
     try:
         report = replay_log(file, places, real_time, endpoints.peer, wait)
     except KeyboardInterrupt:
-        raise AdcsError("interrupted") from None
+        print("adcs: interrupted", file=sys.stderr)
+        sys.exit(128 + signal.SIGINT)
     console.print(f"{report['frames']} frames of {report['seconds']:g} s sent to {', '.join(map(str, places))}")

@@ -10,7 +10,7 @@ from typing import Annotated
 from cyclopts import Parameter
 from rich.console import Console
 
-from adcs.cli.command import Time, command
+from adcs.cli.command import Time, at_work, command
 from adcs.cli.showing import RESULT_FILES, progress, write_files
 from fmus.errors import AdcsError
 from orchestration.isolation.folder import MANIFEST, new_results
@@ -55,10 +55,12 @@ def rerun(
                 isolated=not in_process,
             )
         except RunInterrupted as error:
-            raise AdcsError(f"{error}; nothing is written") from error
+            print(f"adcs: {error}; nothing is written", file=sys.stderr)
+            sys.exit(128 + endings.last)
         formats = [kind for kind, name in RESULT_FILES.items() if (beside / name).is_file()] or ["csv", "mat"]
         results.clear()
-        written = write_files(again.result, results.path, formats)
+        with at_work():
+            written = write_files(again.result, results.path, formats)
         results.forget()
         files = [results.given / path.name for path in written]
     if json_:

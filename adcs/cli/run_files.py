@@ -50,6 +50,8 @@ class RunFiles:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if self._manifest is not None and isinstance(error, AdcsError):
+            error.failed = True  # the run had begun
         if self._manifest is not None and not self._written and isinstance(error, AdcsError):
             rows = 0 if self.journal.recording is None else self.journal.recording.filled
             told = self._manifest.get("outcome", {})

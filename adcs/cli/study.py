@@ -15,10 +15,11 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 from rich.table import Table as RichTable
 
 from adcs.catalogue import STUDIES
-from adcs.cli.command import command
+from adcs.cli.command import at_work, command
 from adcs.library.entry import StudyEntry
 from adcs.library.outcome import Outcome, Row, as_json, manifest_of, write_csv
 from fmus.errors import AdcsError
+from fmus.spelling import hint
 from orchestration.isolation.folder import new_results
 from orchestration.results import plots, report
 
@@ -48,7 +49,7 @@ def study(
     """
     entry = STUDIES.get(name)
     if entry is None:
-        raise AdcsError(f"no study {name!r}: choose one of {', '.join(STUDIES)}")
+        raise AdcsError(f"no study {name!r}: {hint(name, STUDIES, 'choose one of')}")
     choices = with_changes(entry.choices(), set_)
     progress = Progress(
         TextColumn("{task.description:<44}"),
@@ -59,7 +60,7 @@ def study(
         transient=True,
     )
     # The folder is refused now, rather than after a minute of work.
-    with new_results(out or Path("results") / f"study-{name}", force) as results, progress:
+    with new_results(out or Path("results") / f"study-{name}", force) as results, progress, at_work():
         task = progress.add_task(entry.name, total=1.0)
         outcome, runs = entry.run(choices, lambda done, text: progress.update(task, completed=done, description=text))
         progress.update(task, completed=1.0, description="writing the report")

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from fmus.errors import AdcsError, shown
+from fmus.spelling import hint
 from orchestration import times
 from orchestration.fmu.values import parse_value
 from orchestration.system import System
@@ -77,9 +78,8 @@ def every(system: System, assignment: str) -> None:
     name, _, text = assignment.partition("=")
     number = whole(text)
     if name not in system.components or not number:
-        raise AdcsError(
-            f"--every {shown(assignment)}: expected COMPONENT=N, one of {', '.join(system.components)}, N from 1"
-        )
+        known = "" if name in system.components else f"; {hint(name, system.components, 'there is')}"
+        raise AdcsError(f"--every {shown(assignment)}: expected COMPONENT=N, N from 1{known}")
     system.components[name].every = number
 
 

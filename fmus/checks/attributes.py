@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from fmus.declared_types import carrier
+from fmus.spelling import some
 
 _RANGE = ("min", "max")
 
@@ -21,9 +22,11 @@ def check_attributes(root: Any) -> Iterator[str]:
     for unit in root.iterfind("UnitDefinitions/Unit"):
         for element in (*unit.iterfind("BaseUnit"), *unit.iterfind("DisplayUnit")):
             factor = float(element.get("factor", "1"))
+            name = f"display unit {element.get('name')}" if element.tag == "DisplayUnit" else "base unit"
             if factor == 0 or not math.isfinite(factor):
-                name = f"display unit {element.get('name')}" if element.tag == "DisplayUnit" else "base unit"
                 yield f"unit {unit.get('name')}: its {name} has the factor {factor:g}, expected a number that is not 0"
+            if not math.isfinite(offset := float(element.get("offset", "0"))):
+                yield f"unit {unit.get('name')}: its {name} has the offset {offset:g}, expected a number"
     types = _carriers(root, "TypeDefinitions/*")
     variables = _carriers(root, "ModelVariables/*")
     used = {element.get("declaredType") for element in variables.values()}
@@ -37,7 +40,7 @@ def check_attributes(root: Any) -> Iterator[str]:
             yield from (f"{name}: {text}" for text in _range(element))
         if element.get("nominal") != declared.get("nominal"):
             yield from (f"{name}: {text}" for text in _nominal(element))
-        yield from (f"{name}: {text}" for text in _too_long(element))
+        yield from (f"{name}: {text}" for text in (*_too_long(element), *_no_item(element, declared)))
 
 
 def _carriers(root: Any, path: str) -> dict[str, Any]:
@@ -68,6 +71,17 @@ def _items(element: Any) -> Iterator[str]:
         for text, count in Counter((item.get(what) or "").strip() for item in items).items():
             if count > 1:
                 yield f"{count} items have the {what} {text}"
+
+
+def _no_item(element: Any, declared: Any) -> Iterator[str]:
+    """Start values of an enumeration that are the value of none of its items within min and max."""
+    if element.tag != "Enumeration" or not len(declared):
+        return
+    low, high = (float(element.get(limit, default)) for limit, default in zip(_RANGE, ("-inf", "inf"), strict=True))
+    values = [v for item in declared.findall("Item") if low <= (v := int(item.get("value"))) <= high]
+    for start in dict.fromkeys(map(int, element.get("start", "").split())):
+        if start not in values:
+            yield f"start {start} is the value of no item, expected one of {some(values)}"
 
 
 def _too_long(element: Any) -> Iterator[str]:

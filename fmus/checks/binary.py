@@ -9,6 +9,7 @@ import lief
 
 from fmus.checks import Note
 from fmus.paths import FMI_HEADERS
+from fmus.spelling import some
 
 GLIBC_FLOOR = (2, 17)
 _NEEDED = re.compile(
@@ -73,7 +74,7 @@ def check_binary(name: str, content: bytes, fmi_version: str, interfaces: Collec
         if missing := needed_functions(fmi_version, interfaces) - exported:
             yield f"{name} does not export {', '.join(sorted(missing))}"
         if extra := exported - functions("2.0") - functions("3.0"):
-            yield Note(f"{name} exports {_some(sorted(extra))}, which are no FMI functions")
+            yield Note(f"{name} exports {some(sorted(extra))}, which are no FMI functions")
         for library in _needs(part):
             if not _NEEDED.fullmatch(library):
                 yield Note(f"{name} needs {library}, which may not be installed")
@@ -118,10 +119,6 @@ def needed_functions(fmi_version: str, interfaces: Collection[str]) -> frozenset
     major = fmi_version[0]
     others = [names for interface, names in _OF_INTERFACE[major].items() if interface not in interfaces]
     return functions(fmi_version) - {f"fmi{major}{name}" for names in others for name in names.split()}
-
-
-def _some(names: list[str]) -> str:
-    return ", ".join(names[:10]) + (f" and {len(names) - 10} more" if len(names) > 10 else "")
 
 
 def _check_glibc(name: str, part: lief.ELF.Binary) -> Iterator[str]:

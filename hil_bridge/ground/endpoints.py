@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, Failed
 from hil_bridge.ground.security import Bucket, Codec, Keyring
 
 Kind = Literal["udpout", "udpin", "tcpin"]
@@ -166,7 +166,7 @@ class _Udp(Endpoint):
             self._socket.bind(local)
         except OSError as error:
             self._socket.close()
-            raise AdcsError(f"{place}: {error.strerror}; is another program there?") from None
+            raise Failed(f"{place}: {error.strerror}; is another program there?") from None
         self._socket.setblocking(False)
 
     @property
@@ -258,7 +258,7 @@ class TcpIn(Endpoint):
             self._listener.bind((place.host, place.port))
         except OSError as error:
             self._listener.close()
-            raise AdcsError(f"{place}: {error.strerror}; is another program there?") from None
+            raise Failed(f"{place}: {error.strerror}; is another program there?") from None
         self._listener.listen(MOST_PEERS)
         self._listener.setblocking(False)
         self.place = Place(place.kind, place.host, self._listener.getsockname()[1])

@@ -7,16 +7,17 @@ from contextlib import ExitStack
 from ctypes import POINTER, c_double
 from functools import partial
 from math import inf
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from fmus.errors import AdcsError
-from orchestration import expected
 from orchestration.engine import Engine
 from orchestration.engine.overstepping import overstepped
 from orchestration.fmu.file import FmiVersion, Port
 from orchestration.instances.instance import CallFailed, EndRequested, Instance, failing_at
+from orchestration.named import as_system
 from orchestration.plan.changing import checked_change
 from orchestration.plan.loops import LoopMethod, Loops, LoopSolver, loop_solver
 from orchestration.plan.lowering import Floats, Plan, make_plan
@@ -25,7 +26,7 @@ from orchestration.plan.outside import Source
 from orchestration.process.guard import Guard
 from orchestration.process.where import Where
 from orchestration.results.result import Recording
-from orchestration.system import System, Value, check_system
+from orchestration.system import System, Value
 from orchestration.times import Seconds
 
 _MAX_EVENT_ITERATIONS = 100
@@ -45,8 +46,8 @@ class CoupledModel:
 
     def __init__(
         self,
-        system: System,
-        start_time: Seconds = 0.0,
+        system: System | str | Path,
+        start_time: Seconds | None = None,
         stop_time: Seconds = inf,
         fmi_version: FmiVersion = "2.0",
         record: Sequence[str] | None = None,
@@ -56,9 +57,13 @@ class CoupledModel:
         where: Where | None = None,
         guard: Guard | None = None,
     ) -> None:
-        """`record` names the variables of a row (None: all outputs); `source` gives values to unconnected inputs."""
-        check_system(system)
-        start_time, stop_time = expected.seconds("start_time", start_time), expected.seconds("stop_time", stop_time)
+        """`record` names the variables of a row (None: all outputs); `source` gives values to unconnected inputs.
+
+        `system` may be a name or the path of a file where `adcs` is imported; its own start time counts if none is
+        given.
+        """
+        system = as_system(system)
+        start_time, stop_time, _ = system.run_times(start_time, stop_time, 0.0)
         solver = loop_solver(loops)
         _refuse(system, fmi_version)
         recording = Recording(system, record, 1)

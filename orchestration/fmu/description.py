@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -49,6 +50,11 @@ class DisplayUnit:
     def plain(self) -> bool:
         """Whether a number in it is the same number in the unit itself."""
         return (self.factor, self.offset, self.inverse) == (1.0, 0.0, False)
+
+    @property
+    def sound(self) -> bool:
+        """Whether a value given in it is one."""
+        return self.factor != 0 and math.isfinite(self.factor) and math.isfinite(self.offset)
 
 
 @dataclass(frozen=True)

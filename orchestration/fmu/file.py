@@ -20,7 +20,7 @@ from fmpy.model_description import ModelDescription, ModelVariable, ValidationEr
 from fmus import paths
 from fmus.archive import LARGEST_XML, Archive
 from fmus.catalog import find
-from fmus.errors import AdcsError, Unsupported, shown
+from fmus.errors import AdcsError, Failed, Unsupported, shown
 from fmus.freshness import warn_if_outdated
 from fmus.readable import read_model
 from fmus.references import unresolved
@@ -269,7 +269,7 @@ def locate(name: str | Path, version: FmiVersion = "2.0") -> Path:
             find(str(name))
         except AdcsError as error:
             raise AdcsError(f"{error}, or give the path of an .fmu") from None
-        raise AdcsError(
+        raise Failed(
             f"FMU {name!r} is not built, {path} does not exist: build it with `adcs build {name}`, or give a path"
         )
     warn_if_outdated(str(name), path)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.errors import AdcsError
+from fmus.spelling import some
 from orchestration.fmu.file import Port
 
 _BASE64 = "base64:"
@@ -20,7 +21,7 @@ def item_numbers(name: str, port: Port, value: Any) -> Any:
     if not port.items:
         return value
     numbers = dict(port.items)
-    known = f"use {', '.join(f'{item!r} or {number}' for item, number in port.items)}"
+    known = f"use {some(f'{item!r} or {number}' for item, number in port.items)}"
 
     def number(entry: Any) -> Any:
         if isinstance(entry, list | tuple):

@@ -43,6 +43,8 @@ class Unit:
         """Whether a number in one is the same number in the other."""
         if self.base is None or other.base is None:
             return self.name == other.name
+        if self.name != other.name and not _scales(self.base[1]):
+            return False  # equal factors of 0 say nothing
         if self.relative and other.relative:
             return self.base[:2] == other.base[:2]
         return self.base == other.base
@@ -62,8 +64,11 @@ class Unit:
             unknown = self.name if self.base is None else other.name
             raise AdcsError(f"{differ} {unknown!r} is not defined: {undefined}")
         (exponents, factor, offset), (exponents_there, factor_there, offset_there) = self.base, other.base
-        if not (factor and factor_there and isfinite(factor * offset / factor_there)):
-            raise AdcsError(f"units {self.name!r} and {other.name!r}: a factor is zero or not finite: correct it")
+        both = f"units {self.name!r} and {other.name!r}"
+        if not (_scales(factor) and _scales(factor_there) and _scales(factor / factor_there)):
+            raise AdcsError(f"{both}: a factor is zero or not finite: correct it")
+        if not isfinite((offset - offset_there) / factor_there):
+            raise AdcsError(f"{both}: an offset is not finite: correct it")
         if exponents != exponents_there:
             raise AdcsError(f"{differ} do not measure the same: {different}")
         if self.relative and other.relative:
@@ -71,6 +76,11 @@ class Unit:
         if self.relative != other.relative and (offset or offset_there):
             raise AdcsError(f"{differ} only one is of a difference (relativeQuantity): give a factor and an offset")
         return Scale(factor / factor_there, (offset - offset_there) / factor_there)
+
+
+def _scales(factor: float) -> bool:
+    """Whether numbers can be multiplied by it and divided again."""
+    return factor != 0 and isfinite(factor)
 
 
 def of_fmu(fmu: Fmu, name: str | None, relative: bool = False) -> Unit | None:

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import json
+import re
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from fmus.errors import AdcsError, shown
+from fmus.spelling import some
 from orchestration.fmu.description import DisplayUnit
 from orchestration.fmu.file import Fmu, Port
 
+_WITH_A_UNIT = re.compile(r"(?P<value>[-+\d.,eE\s\[\]]*[\d\]])\s*(?P<unit>[^\d\s,.\[\]][^,\[\]]*)")
 _DEEPEST = 30  # lists in each other, which is as many dimensions as anybody has
 
 
@@ -60,13 +64,23 @@ def _numbers(fmu: Fmu, port: Port, text: str) -> Any:
             unit = units[name]
             break
     if not _is_json(words):
-        known = f", in {' or '.join(units)}" if units else ""
-        known += f", or {', '.join(repr(name) for name in names)}" if port.items else ""
-        raise AdcsError(
-            f"{port.name} = {shown(repr(text))} cannot be read: write a number, or 1,2,3, or [[1,2],[3,4]]{known}"
-        )
+        raise _unreadable(port, text, words, units)
     value = json.loads(words) if _is_json(words, bare=True) else json.loads(f"[{words}]")
     return value if unit is None or unit.plain else _converted(value, unit, port, text)
+
+
+def _unreadable(port: Port, text: str, words: str, units: Iterable[str]) -> AdcsError:
+    """Say what is wrong with a text: if it is the unit alone, which there are."""
+    known = " or ".join(units)
+    odd = _WITH_A_UNIT.fullmatch(words)
+    if odd and _is_json(odd["value"]) and (known or not port.items):
+        way = f"is no unit of it: use {known}" if known else "is taken for a unit, and it has none: leave that out"
+        return AdcsError(f"{port.name} = {shown(repr(text))}: {shown(repr(odd['unit']), 40)} {way}")
+    known = f", in {known}" if known else ""
+    known += f", or {some(repr(name) for name, _ in port.items)}" if port.items else ""
+    return AdcsError(
+        f"{port.name} = {shown(repr(text))} cannot be read: write a number, or 1,2,3, or [[1,2],[3,4]]{known}"
+    )
 
 
 def _units(fmu: Fmu, port: Port) -> dict[str, DisplayUnit]:
@@ -83,6 +97,7 @@ def _converted(value: Any, unit: DisplayUnit, port: Port, text: str) -> Any:
         array = np.asarray(value, float)
         with np.errstate(all="ignore"):  # what comes of it is looked at
             own = unit.factor / array if unit.inverse else (array - unit.offset) / unit.factor
+            own = np.where(unit.sound & np.isfinite(array), own, np.nan)  # else it might be 0, as 1 / inf is
     except (ValueError, TypeError, OverflowError):  # rows of different lengths, or no numbers
         raise AdcsError(f"{port.name} = {shown(repr(text))}: expected numbers before {unit.name!r}") from None
     if not np.isfinite(own).all():

@@ -17,7 +17,7 @@ from typing import Any
 from fmpy import calloc, fmi2, fmi3, free
 from fmpy.fmi1 import FMICallException, printLogMessage
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, Failed
 from orchestration.fmu.file import Fmu, Kind, Port
 from orchestration.fmu.number_types import BEYOND, first_beyond, first_misfit
 from orchestration.grid import SNAP
@@ -42,7 +42,7 @@ _WORD = re.compile(r"[A-Za-z_][\w.]*")
 _loading = Lock()
 
 
-class CallFailed(AdcsError):
+class CallFailed(Failed):
     """A call of an FMU failed: the component, the call with the FMU's last message, and the time where it is known."""
 
     def __init__(self, component: str, text: str) -> None:

@@ -10,7 +10,7 @@ from itertools import count
 from pathlib import Path
 from types import TracebackType
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, Failed
 from orchestration.isolation import journal
 from orchestration.process.lock import Lock
 from orchestration.process.writing import make_folder
@@ -28,7 +28,7 @@ PREVIOUS = "previous"
 _LOCK = "run.lock"
 
 
-class _Busy(AdcsError):
+class _Busy(Failed):
     """The folder belongs to a run that goes on."""
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from fmus.catalog import components
 from fmus.errors import AdcsError
 from orchestration import expected
 from orchestration.coupled import CoupledModel
@@ -18,6 +19,7 @@ from orchestration.fmu.file import FmiVersion, Port
 from orchestration.linear.jacobian import jacobian
 from orchestration.linear.state_space import Mode, StateSpace
 from orchestration.linear.unit_quaternions import minimal, unit_quaternions, with_notes
+from orchestration.named import as_system
 from orchestration.plan.lowering import Floats
 from orchestration.running.method import ModelExchange
 from orchestration.single import single
@@ -62,10 +64,12 @@ def linearize(
     for name, given in {"inputs": inputs, "outputs": outputs, "open_at": open_at}.items():
         if given is not None:
             expected.texts(name, given)
-    if not isinstance(system, System):
+    if isinstance(system, str | Path) and _is_component(system):
         system = single(system, start)
     elif start:
         raise AdcsError("start values of a system are set in the system: use system.set(...)")
+    else:
+        system = as_system(system)
     if not start_time <= time < inf:
         raise AdcsError(f"time = {time} s: expected a time from the start time {start_time} s on")
     _refuse_delays(system)
@@ -268,3 +272,8 @@ def _elements(ports: Mapping[str, Sequence[Port]]) -> dict[Element, int]:
 
 def _held(connection: Connection) -> str:
     return f"{connection.target} gets {connection.source} at events only: it is held in the linear system"
+
+
+def _is_component(name: str | Path) -> bool:
+    """Whether this is one FMU, by its path or as one that is built here."""
+    return Path(name).suffix == ".fmu" or any(component.name == str(name) for component in components())

@@ -14,6 +14,7 @@ import scipy.io
 from numpy.typing import NDArray
 
 from fmus.errors import AdcsError
+from fmus.spelling import hint
 from orchestration.plan.lowering import Floats
 from orchestration.process.writing import replacing
 
@@ -146,7 +147,7 @@ def _places(kind: str, known: Sequence[str], wanted: Sequence[str] | None) -> li
         return list(range(len(known)))
     for name in wanted:
         if name not in known:
-            raise AdcsError(f"{name!r} is no {kind} of the linear system: it has {', '.join(known) or 'none'}")
+            raise AdcsError(f"{name!r} is no {kind} of the linear system: {hint(name, known)}")
     return [known.index(name) for name in wanted]
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, Failed
 
 
 def make_folder(folder: Path, asked: str) -> None:
@@ -43,4 +43,4 @@ def replacing(path: str | Path) -> Iterator[Path]:
                 with suppress(OSError):
                     name.unlink(missing_ok=True)
     except OSError as error:
-        raise AdcsError(f"cannot write {path}: {error.strerror or ' '.join(str(error).split())}") from error
+        raise Failed(f"cannot write {path}: {error.strerror or ' '.join(str(error).split())}") from error

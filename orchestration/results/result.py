@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -12,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fmus.errors import AdcsError, shown
+from fmus.errors import AdcsError, Failed, shown
+from fmus.spelling import hint
 from orchestration import expected
 from orchestration.fmu.file import Port, element_names
 from orchestration.fmu.typed_values import typed
@@ -311,9 +311,7 @@ class Result:
         return recorded
 
     def _unknown(self, name: str) -> AdcsError:
-        close = difflib.get_close_matches(name, self.ports, 3, 0.5)
-        hint = f"did you mean {' or '.join(close)}?" if close else f"recorded are {', '.join(self.ports) or 'none'}"
-        return AdcsError(f"{name!r} was not recorded: {hint}")
+        return AdcsError(f"{name!r} was not recorded: {hint(name, self.ports, 'recorded are')}")
 
 
 def _equal(one: Result, other: Result) -> bool:
@@ -338,7 +336,7 @@ def _written_as(port: Port) -> type:
     return float if port.type.startswith("Float") else int
 
 
-class RunFailed(AdcsError):
+class RunFailed(Failed):
     """A component failed while running; `result` holds what was recorded until then."""
 
     def __init__(self, message: str, result: Result) -> None:

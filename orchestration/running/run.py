@@ -13,6 +13,7 @@ from orchestration.fmu.file import FmiVersion
 from orchestration.grid import Grid
 from orchestration.instances.life import watched_life
 from orchestration.isolation.apart import run_apart
+from orchestration.named import as_system
 from orchestration.process.guard import Guard
 from orchestration.process.watch import Unwatched, Watched
 from orchestration.results.result import Result
@@ -30,7 +31,7 @@ from orchestration.times import Seconds
 
 
 def run(
-    system: System,
+    system: System | str | Path,
     *,
     stop_time: Seconds | None = None,
     step: Seconds | None = None,
@@ -47,9 +48,9 @@ def run(
 
         adcs.run("observer-pd", stop_time="2min", hooks=[adcs.at("20s", {"controller.k_p": 3})])
 
-    Times are numbers of seconds, or texts as "10ms". Those that are not given are the system's own; start_time is 0 if
-    it has none. If they are no whole number of steps apart, the last step is shorter, where all components can take
-    one.
+    `system` may be a name or the path of a file where `adcs` is imported. Times are numbers of seconds, or texts as
+    "10ms". Those that are not given are the system's own; start_time is 0 if it has none. If they are no whole number
+    of steps apart, the last step is shorter, where all components can take one.
 
     `method` is `adcs.CoSimulation(...)` or `adcs.ModelExchange(...)`, `save` what is kept, and where: `adcs.Save(...)`.
     `hooks` take part in the run: `adcs.at`, `adcs.inputs`, `adcs.until`, `adcs.pace`, `adcs.checkpoint`, and hooks of
@@ -63,6 +64,7 @@ def run(
     run cannot start, RunFailed when a component fails on the way, RunInterrupted on Ctrl-C; the last two carry what
     was recorded as `.result`.
     """
+    system = as_system(system, step)
     asked = dict(locals())
     arguments.check(run, asked, **_OBJECTS)
     choice("fmi_version", fmi_version, FmiVersion)

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, isfinite
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -20,6 +21,7 @@ from orchestration.expected import choice
 from orchestration.fmu.file import FmiVersion, Port
 from orchestration.grid import SNAP, Grid, whole_steps
 from orchestration.instances.instance import CallFailed, EndRequested, Instance, failing_at
+from orchestration.named import as_system
 from orchestration.plan.changing import checked_change
 from orchestration.plan.loops import LoopMethod, Loops, LoopSolver, loop_solver
 from orchestration.plan.lowering import Floats, make_plan
@@ -65,10 +67,10 @@ class Session:
 
     def __init__(
         self,
-        system: System,
+        system: System | str | Path,
         *,
-        step: Seconds,
-        start_time: Seconds = 0.0,
+        step: Seconds | None = None,
+        start_time: Seconds | None = None,
         steps: int = ENDLESS,
         stop_time: Seconds | None = None,
         fmi_version: FmiVersion = "2.0",
@@ -83,11 +85,15 @@ class Session:
     ) -> None:
         """`record` names the variables of a row (None: all outputs); `external` inputs whose values come with steps.
 
+        `system` may be a name or the path of a file where `adcs` is imported. The system's own step and start time
+        count where none is given.
+
         `stop_time` is the time of the last point, if the step to it is shorter than the others. The FMUs are told a
         stop time that is beyond it by roundings, unless it `may_go_on` after it.
         """
+        system = as_system(system, step)
         arguments.check(Session, locals())
-        step, start_time = expected.seconds("step", step), expected.seconds("start_time", start_time)
+        start_time, _, step = system.run_times(start_time, 0.0, step)
         stop_time = None if stop_time is None else expected.seconds("stop_time", stop_time)
         solver = loop_solver(loops)
         choice("fmi_version", fmi_version, FmiVersion)
@@ -422,7 +428,7 @@ def rigid(system: System, version: FmiVersion) -> str | None:
 
 
 def steps(
-    system: System,
+    system: System | str | Path,
     *,
     stop_time: Seconds | None = None,
     step: Seconds | None = None,
@@ -435,6 +441,7 @@ def steps(
     The values are those that `run` records, to the last bit. Time goes on only while the caller asks for more. If a
     component ends the simulation, nothing is yielded after that. Times that are not given are the system's own.
     """
+    system = as_system(system, step)
     arguments.check(steps, locals())
     choice("fmi_version", fmi_version, FmiVersion)
     grid = Grid.make(*system.run_times(start_time, stop_time, step), partial(rigid, system, fmi_version))

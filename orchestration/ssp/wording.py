@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable
 from typing import Any
+
+from fmus import spelling
 
 
 def hint(name: str, known: Iterable[str]) -> str:
     """` (did you mean x?)`, or what there is."""
-    names = list(known)
-    close = difflib.get_close_matches(name, names, 3, 0.5)
-    if close:
-        return f" (did you mean {' or '.join(close)}?)"
-    return f" (there is {', '.join(names[:12]) or 'none'}{', ...' if len(names) > 12 else ''})"
+    return f" ({spelling.hint(name, known, 'there is')})"
 
 
 def sizes(shape: Iterable[Any]) -> str:

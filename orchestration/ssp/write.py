@@ -11,10 +11,11 @@ from urllib.parse import quote
 
 from lxml import etree
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, Failed
 from fmus.xml import serialised
 from orchestration import expected
 from orchestration.fmu.file import FmiVersion, Fmu, Port
+from orchestration.named import as_system
 from orchestration.process.writing import make_folder
 from orchestration.ssp.archive import packed, write_whole
 from orchestration.ssp.building import add, add_texts, annotate, annotations_of, root_element, set_attribute, text
@@ -24,32 +25,43 @@ from orchestration.ssp.layout import arrange
 from orchestration.ssp.names import STRUCTURE
 from orchestration.ssp.schemas import Version
 from orchestration.ssp.tree import Box, Pin, Wire, make_tree
-from orchestration.system import Component, System, check_system
+from orchestration.system import Component, System
+from orchestration.times import Seconds
 
 _FMI2_TYPES = {"Float64": "Real", "Int32": "Integer"}
 
 
 def write_ssp(
-    system: System,
+    system: System | str | Path,
     path: str | Path,
     *,
-    stop_time: float | None = None,
-    step: float | None = None,
-    start_time: float = 0.0,
+    stop_time: Seconds | None = None,
+    step: Seconds | None = None,
+    start_time: Seconds | None = None,
     fmi_version: FmiVersion = "2.0",
     ssp_version: Version | None = None,
+    force: bool = False,
 ) -> None:
     """Write a system with its FMUs; the same system gives the same bytes.
 
-    `stop_time` and exchange `step` (s) are for who runs it. `fmi_version` says which file of a component known by name
-    is taken. `ssp_version` None: 1.0, or 2.0 if an FMU is of FMI 3.0, whose arrays and types SSP 1.0 does not know.
-    Connection delays, components that communicate at every n-th step and the exchange step stand in annotations, which
-    other tools ignore (the step is also where OMSimulator looks for it). Raises AdcsError.
+    `stop_time` and exchange `step` (s) are for who runs it; the system's own times count where none are given.
+    `fmi_version` says which file of a component known by name is taken. `ssp_version` None: 1.0, or 2.0 if an FMU is of
+    FMI 3.0, whose arrays and types SSP 1.0 does not know. Connection delays, components that communicate at every n-th
+    step and the exchange step stand in annotations, which other tools ignore (the step is also where OMSimulator looks
+    for it). A file that is there already is replaced by `force` only. Raises AdcsError.
     """
-    check_system(system)
+    system = as_system(system, step)
     expected.path("path", path)
     path = Path(path)
+    if path.is_file() and not force:
+        raise AdcsError(f"{path} is there already: give another name, or force=True to replace it")
     system.check()
+    times = {"start_time": start_time, "stop_time": stop_time, "step": step}
+    given = {name: None if time is None else expected.seconds(name, time) for name, time in times.items()}
+    if (own := system.times) is not None:
+        for name, time in (("start_time", own.start), ("stop_time", own.stop), ("step", own.step)):
+            given[name] = time if given[name] is None and name not in own.assumed else given[name]
+    start_time, stop_time, step = given["start_time"] or 0.0, given["stop_time"], given["step"]
     for name, value in (("start_time", start_time), ("stop_time", stop_time), ("step", step)):
         if value is not None and not (isfinite(value) and (value > 0 or name != "step")):
             raise AdcsError(f"{name} = {value}: expected a {'positive ' if name == 'step' else ''}number")
@@ -63,7 +75,7 @@ def write_ssp(
     try:
         write_whole(path, content)
     except OSError as error:
-        raise AdcsError(f"cannot write {path}: {error.strerror or error}") from error
+        raise Failed(f"cannot write {path}: {error.strerror or error}") from error
 
 
 class _Writer:

@@ -196,7 +196,7 @@ def test_start_values_come_back_from_ssp_to_the_last_bit(place: Path, torque: li
     system = System("back")
     system.add("plant", folder / "RigidBody.fmu", {"torque_B": torque, "torque_disturbance_B": torque})
     system.add("tracker", folder / "StarTracker.fmu", {"seed": seed, "q_BN": [1.0, 0.0, 0.0, 0.0]})
-    write_ssp(system, folder / "back.ssp")
+    write_ssp(system, folder / "back.ssp", force=True)
     found = read_ssp(folder / "back.ssp").system.components
     assert list(map(float.hex, found["plant"].start["torque_B"])) == list(map(float.hex, torque))
     assert found["tracker"].start["seed"] == (seed,)

@@ -72,5 +72,5 @@ def test_a_port_in_use_is_one_line(monkeypatch, capsys):
 def test_refusals_are_one_line(monkeypatch, capsys, tmp_path, arguments, message):
     monkeypatch.chdir(tmp_path)
     code, _, err = call(monkeypatch, capsys, *arguments)
-    assert code == 1
+    assert code == 2
     assert message in err and err.count("\n") == 1

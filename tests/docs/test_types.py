@@ -22,6 +22,11 @@ reveal_type(adcs.at("20s", {"controller.k_p": 3}))
 reveal_type(adcs.until("time > 1"))
 adcs.run(system, method=adcs.ModelExchange("CVode", rtol=1e-9), save=adcs.Save(every=2), hooks=[adcs.pace(1)])
 adcs.run(system, method="model-exchange")
+with adcs.Session("observer-pd") as session, adcs.CoupledModel("observer-pd") as model:
+    reveal_type(session)
+    reveal_type(model)
+reveal_type(adcs.write_ssp("observer-pd", "x.ssp"))
+adcs.Session(3)
 adcs.nothing
 """
 SEEN = [
@@ -34,6 +39,10 @@ SEEN = [
     'note: Revealed type is "orchestration.running.hooks.changes.Changes"',
     'note: Revealed type is "orchestration.running.hooks.until.Until"',
     'error: Argument "method" has incompatible type "str"; expected "Method"',
+    'note: Revealed type is "orchestration.running.session.Session"',
+    'note: Revealed type is "orchestration.coupled.model.CoupledModel"',
+    'note: Revealed type is "None"',
+    'error: Argument 1 to "Session" has incompatible type "int"; expected "System | str | Path"',
     'error: Module has no attribute "nothing"',
 ]
 

@@ -71,6 +71,8 @@ def test_check_ends_with_1_if_something_is_wrong(run, tmp_path):
     [
         (["info", "Rigidbody"], "did you mean RigidBody"),
         (["check", "absent.fmu"], "absent.fmu is no file"),
+        (["check", "RigidBdy"], "no component is called RigidBdy: did you mean RigidBody or OrbitingBody, or give a"),
+        (["check", "observr-pd"], "no component is called observr-pd: did you mean observer-pd or"),
         (["check", "PdTracking"], "PdTracking.fmu is not built: run: adcs build"),
         (["build", "Nothing"], "no component is called Nothing"),
     ],

@@ -152,7 +152,7 @@ def test_values_from_a_table(names, tmp_path):
     assert run(system, stop_time=0.2, step=0.2, hooks=[adcs.inputs(table)])["a.y"].tolist() == [[1.0, 2.0], [3.0, 4.0]]
     table.write_text("time,a.u[1],a.u[2],a.uu[2]\n0,1,2,3\n")
     with pytest.raises(
-        AdcsError, match=r"^a\.uu\[2\] and a\.u\[2\] are names of one variable: give its values from out"
+        AdcsError, match=r"^a\.uu\[2\] and a\.u\[2\] are names of one variable, which gets its values from outside tw"
     ):
         run(system, stop_time=0.2, step=0.2, hooks=[adcs.inputs(table)])
 

@@ -87,18 +87,18 @@ def test_options_reach_the_run(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (("observer-pd", "--solver", "CVode"), 1, "adcs: --solver CVode: an option of model-exchange, add --method"),
-        (("nothing",), 1, "adcs: no system 'nothing': choose one of bounded-adaptive"),
-        (("observer-pd", "--step", "0"), 1, "adcs: step = 0.0 s: expected a positive time"),
+        (("observer-pd", "--solver", "CVode"), 2, "adcs: --solver CVode: an option of model-exchange, add --method"),
+        (("nothing",), 2, "adcs: no system 'nothing': `adcs list` shows all; or give an .ssp or .fmu file"),
+        (("observer-pd", "--step", "0"), 2, "adcs: step = 0.0 s: expected a positive time"),
         (("observer-pd", "--step", "nan"), 2, "adcs: Invalid value for --step: 'nan' is not a time, write 120s, 0.1s"),
         (
             ("observer-pd", "--set", "tracker.half_angle"),
-            1,
+            2,
             "adcs: --set tracker.half_angle: expected COMPONENT.VARIABLE=VALUE",
         ),
-        (("observer-pd", "--set", "tracker.angle=1"), 1, "has no variable 'angle': did you mean half_angle?"),
-        (("observer-pd", "--set", "tracker.half_angle=wide"), 1, "half_angle = 'wide' cannot be read: write a number"),
-        (("observer-pd", "--record", "plant.q"), 1, "component 'plant' (RigidBody.fmu) has no variable 'q'"),
+        (("observer-pd", "--set", "tracker.angle=1"), 2, "has no variable 'angle': did you mean half_angle?"),
+        (("observer-pd", "--set", "tracker.half_angle=wide"), 2, "half_angle = 'wide' cannot be read: write a number"),
+        (("observer-pd", "--record", "plant.q"), 2, "component 'plant' (RigidBody.fmu) has no variable 'q'"),
         (("observer-pd", "--set", "plant.J_B=[[1,2,3],[0,1,0],[0,0,1]]"), 1, "adcs: plant: "),
     ],
 )
@@ -107,6 +107,56 @@ def test_errors_are_one_line(tmp_path, capsys, arguments, code, message):
     err = capsys.readouterr().err.strip()
     assert message in err.splitlines()[-1]
     assert "Traceback" not in err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("check", "RigidBdy"),
+        ("check", "none.fmu"),
+        ("info", "observr-pd"),
+        ("info", "none.fmu"),
+        ("build", "RigidBdy"),
+        ("run", "none.fmu"),
+        ("run", "none.ssp"),
+        ("run", "observer-pd", "--until", "plant.q < 3"),
+        ("run", "observer-pd", "--fmi", "4"),
+        ("run", "observer-pd", "--nonsense"),
+        ("run",),
+        ("runn", "observer-pd"),
+        ("rerun", "none"),
+        ("recover", "none"),
+        ("export", "observer-pd", "--step", "0"),
+        ("linearize", "observer-pd", "--inputs", "plant.torqe_B"),
+        ("linearize", "observer-pd", "--at", "-1"),
+        ("linearize", "observer-pd", "--out", "x.csv"),
+        ("hil", "observer-pd", "--max-torque", "much"),
+        ("hil", "hil-spacecraft", "--host", "here"),
+        ("study", "thakr"),
+        ("study", "thakur", "--set", "x=1"),
+        ("bridge", "observer-pd", "--allow", "all"),
+        ("bridge", "observer-pd", "--real-time", "0"),
+        ("replay", "none.tlog"),
+        ("replay", "none.tlog", "--to", "here"),
+    ],
+    ids=" ".join,
+)
+def test_wrong_words_end_with_2_in_every_command(tmp_path, monkeypatch, capsys, words):
+    monkeypatch.chdir(tmp_path)
+    assert adcs(*words) == 2
+    err = capsys.readouterr().err
+    assert err.startswith("adcs: ") and err.count("\n") == 1
+
+
+def test_what_fails_ends_with_1(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    unstable = ("--set", "plant.max_internal_step=10", "--set", "plant.omega_BN_B=1e300,1e300,1e300")
+    assert adcs("run", "full-state-pd", *unstable, "--no-report") == 1
+    assert adcs("linearize", "full-state-pd", "--at", "1s", *unstable) == 1
+    monkeypatch.setattr("fmus.paths.DIST", tmp_path)
+    for command in ("run", "export", "linearize"):
+        assert adcs(command, "observer-pd") == 1
+        assert capsys.readouterr().err.splitlines()[-1].startswith("adcs: FMU 'FixedAxisReference' is not built")
 
 
 def test_a_failed_run_leaves_no_report_of_an_earlier_one(tmp_path):
@@ -121,13 +171,37 @@ def test_a_failed_run_leaves_no_report_of_an_earlier_one(tmp_path):
         (("--fmi", "4"), 'Invalid value "4" for --fmi. Choose from: "2", "3".'),
         (("--format", "xls"), 'Invalid value "xls" for --format. Choose from: "csv", "mat", "hdf5".'),
         (("--step", "fast"), "Invalid value for --step: 'fast' is not a time, write 120s, 0.1s, 5ms, 2min or 1h"),
-        (("--epoch", "tomorrow"), "Invalid value for --epoch: Invalid isoformat string: 'tomorrow'"),
+        (
+            ("--epoch", "tomorrow"),
+            "Invalid value for --epoch: 'tomorrow' is no date, write 2026-03-21 or 2026-03-21T12:00:00",
+        ),
         (("--chekpoint", "a"), "Unknown option: --chekpoint. Did you mean --checkpoint?"),
-        (("--nonsense",), "Unknown option: --nonsense."),
+        (("--nonsense",), "Unknown option: --nonsense: `adcs run --help` shows all"),
+        (("extra",), "'extra' is more than it takes: `adcs run --help` shows all"),
+        (("--mavlink", "a b", "c"), "'a b', 'c' are more than it takes: `adcs run --help` shows all"),
+        (("--step",), "--step needs a value: `adcs run --help` shows all"),
+        (("--adaptive", "x"), "Invalid value 'x' for --adaptive: expected a number"),
+        (("--force=perhaps",), "Invalid value 'perhaps' for --force: it is an option without a value"),
     ],
 )
 def test_usage_errors_are_one_line_and_exit_with_2(capsys, arguments, message):
     assert adcs("run", "observer-pd", *arguments) == 2
+    assert capsys.readouterr().err == f"adcs: {message}\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("runn", "x"), "no command 'runn': did you mean run or rerun? `adcs --help` shows all"),
+        (("frobnicate",), "no command 'frobnicate': `adcs --help` shows all"),
+        (("--frobnicate",), "no command '--frobnicate': `adcs --help` shows all"),
+        (("run",), "SYSTEM is missing: `adcs run --help` shows all"),
+        (("rerun", "--force"), "MANIFEST is missing: `adcs rerun --help` shows all"),
+        (("export", "a", "b.ssp", "c.ssp"), "'c.ssp' is more than it takes: `adcs export --help` shows all"),
+    ],
+)
+def test_words_that_no_command_takes(capsys, words, message):
+    assert adcs(*words) == 2
     assert capsys.readouterr().err == f"adcs: {message}\n"
 
 
@@ -200,7 +274,7 @@ def test_a_place_where_nothing_can_be_is_named_with_a_way_out(tmp_path, monkeypa
     Path("file").write_text("mine")
     for name in ("folder.json", "folder.ssp"):
         Path(name).mkdir()
-    assert adcs(*arguments) == 1
+    assert adcs(*arguments) == 2
     assert capsys.readouterr().err == f"adcs: {message}\n"
     assert Path("file").read_text() == "mine"
 

@@ -210,8 +210,8 @@ def test_what_is_recorded(chain):
         ({"fmi_version": "1.0"}, "fmi_version = '1.0' is unknown: use '2.0' or '3.0'"),
         (
             {"hooks": [adcs.until("typed.y")]},
-            "condition 'typed.y': 'typed.y' is no comparison: expected VARIABLE < NUMBER, or norm(VARIABLE), max(), "
-            "min(); <=, >, >=; also with time (in s), abs(), + - * /, and, or, not, ( )",
+            "condition 'typed.y': 'typed.y' at character 1 is no comparison; write it as in norm(plant.omega_BN_B) < "
+            "1e-3 and time > 20s",
         ),
         ({"hooks": [adcs.pace(0.0)]}, "speed = 0.0: expected a positive number, 1 for real time"),
     ],

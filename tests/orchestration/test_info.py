@@ -70,7 +70,8 @@ def test_which_parameters_may_change_in_a_run():
         ("none.ssp", "cannot open none.ssp: No such file or directory"),
         (
             "RigidBdy",
-            "no component is called RigidBdy: did you mean RigidBody, or give a system, or an .fmu or .ssp file",
+            "no component is called RigidBdy: did you mean RigidBody or OrbitingBody, or give a system, or an .fmu or "
+            ".ssp file",
         ),
     ],
 )

@@ -434,5 +434,5 @@ def test_kill_leaves_the_rows_up_to_the_last_step(mock, tmp_path, who):
     times = [float(line.split(",")[0]) for line in lines[1:]]
     assert times == [0.1 * k for k in range(len(times))]
     code, _, err = adcs("recover", "out", cwd=tmp_path)
-    assert (code, err.count("\n")) == (1, 1)
+    assert (code, err.count("\n")) == (2, 1)
     assert err.startswith("adcs: out has no run.journal")

@@ -148,8 +148,8 @@ def test_a_condition_ends_the_run_at_the_first_row_that_meets_it(chain, stepping
     ("condition", "message"),
     [
         ("source.y < 5", "source.y is an array, use norm(), max(), min() or one element of it"),
-        ("norm(source.y) < five", "expected VARIABLE < NUMBER"),
-        ("norm(source.y)", "expected VARIABLE < NUMBER"),
+        ("norm(source.y) < five", "'five' at character 18 has no meaning"),
+        ("norm(source.y)", "'norm(source.y)' at character 1 is no comparison"),
         ("source.x[1] < 5", "has no variable 'x[1]'"),
         ("gain.k < 5", "gain.k is not recorded, and has to be"),
     ],

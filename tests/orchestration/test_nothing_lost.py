@@ -241,7 +241,7 @@ def test_a_folder_is_of_one_run_at_a_time_and_a_dead_one_holds_nothing(tmp_path)
 def test_recover_wants_the_folder(tmp_path):
     (tmp_path / "result.csv").write_text("")
     code, _, err = adcs("recover", "result.csv", cwd=tmp_path)
-    assert (code, err) == (1, "adcs: result.csv is a file: give the folder of the results, .\n")
+    assert (code, err) == (2, "adcs: result.csv is a file: give the folder of the results, .\n")
 
 
 def test_rows_that_nobody_recovered_are_never_removed(tmp_path):

@@ -10,20 +10,20 @@ from test_command_line import adcs
 
 from adcs import AdcsError, read_ssp, write_ssp
 from adcs.cli import words
-from adcs.cli.app import RENAMED, app
-from adcs.cli.options import During, GroundTools, Report, Results, Solving, Steps, Streaming, Times, Which
+from adcs.cli.app import COMMANDS, app
+from adcs.cli.options import During, GroundTools, Report, Results, Solving, StartValues, Steps, Streaming, Times, Which
 from adcs.cli.run import at_in_one
+from adcs.cli.slips import RENAMED
 from orchestration import times
 from orchestration.single import single
 from tests.invoking import invoke
 
-COMMANDS = [name for name in app if not name.startswith("-")]
 SYSTEM = ["run", "bridge", "hil", "linearize", "export"]
 GROUPS = {
     "run": [Which, Times, Solving, During, Streaming, Results],
     "bridge": [Which, Times, GroundTools],
     "hil": [Which, Steps, Report],
-    "linearize": [Which],
+    "linearize": [StartValues],
     "export": [Which, Times],
 }
 TIMES = {
@@ -79,11 +79,14 @@ def test_all_commands_that_take_a_system_are_here():
     ("options", "message"),
     [
         (("--set", "plant.mass=1"), "component 'plant' (RigidBody.fmu) has no variable 'mass'"),
-        (("--every", "plants=2"), "--every plants=2: expected COMPONENT=N, one of guidance, plant"),
+        (("--every", "plants=2"), "--every plants=2: expected COMPONENT=N, N from 1; did you mean plant?"),
         (("--delay", "plant.torque_disturbance_B=1"), "nothing is connected to plant.torque_disturbance_B"),
     ],
 )
 def test_what_is_done_to_a_system_is_done_by_every_command(command, options, message, tmp_path, monkeypatch):
+    if options[0] not in options_of(command):
+        assert command == "linearize"
+        return
     monkeypatch.chdir(tmp_path)
     ended = invoke(app, [command, "observer-pd", *options])
     assert isinstance(ended.exception, AdcsError)
@@ -91,12 +94,20 @@ def test_what_is_done_to_a_system_is_done_by_every_command(command, options, mes
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("option", ["--every", "--delay"])
+def test_what_only_steps_have_is_no_option_of_linearize(option, capsys):
+    assert {"--set", "--fmi"} <= options_of("linearize")
+    assert option not in options_of("linearize")
+    assert adcs("linearize", "observer-pd", option, "x=1") == 2
+    assert capsys.readouterr().err.startswith(f"adcs: Unknown option: {option}")
+
+
 @pytest.mark.parametrize("command", SYSTEM)
 def test_a_name_that_is_no_system_is_told_alike(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     told = str(invoke(app, [command, "observr-pd"]).exception)
     assert told.startswith("no system 'observr-pd': did you mean observer-pd or ")
-    assert told.endswith(", or give a built component (`adcs list`), an .ssp or .fmu file")
+    assert told.endswith("? `adcs list` shows all; or give an .ssp or .fmu file")
 
 
 @pytest.mark.parametrize(("command", "option"), [(c, option) for c, options in TIMES.items() for option in options])
@@ -117,7 +128,16 @@ def test_no_option_is_a_time_without_unit(command):
     assert not [a.names[0] for a in arguments_of(command) if "[s]" in (a.parameter.help or "")]
 
 
-@pytest.mark.parametrize("text", ["", "s", "5 m", "5sec", "1e999", "nan", "inf", "٣s", "1min2s"])
+@pytest.mark.parametrize(
+    ("text", "unit"), [("20parsec", "parsec"), ("5 m", "m"), ("5sec", "sec"), ("1e3S", "S"), ("1e", "e"), ("2µs", "µs")]
+)
+def test_what_is_no_unit_of_time(text, unit):
+    with pytest.raises(ValueError, match="no unit") as error:
+        times.seconds(text)
+    assert str(error.value) == f"{text!r} is not a time: {unit!r} is no unit, use us or ms or s or min or h"
+
+
+@pytest.mark.parametrize("text", ["", "s", "1e999", "nan", "inf", "٣s", "1min2s", "1..2s", "--1"])
 def test_what_is_no_time(text):
     with pytest.raises(ValueError, match="is not a time, write 120s"):
         times.seconds(text)
@@ -130,7 +150,7 @@ def test_what_is_no_whole_number_is_not_rounded(text, capsys):
 
 
 def test_a_delay_is_a_number_of_steps_or_a_time_with_its_unit(capsys):
-    assert adcs("run", "observer-pd", "--delay", "plant.torque_B=2.0") == 1
+    assert adcs("run", "observer-pd", "--delay", "plant.torque_B=2.0") == 2
     assert capsys.readouterr().err == (
         "adcs: --delay plant.torque_B=2.0: give a whole number of steps, or a time as in 0.1s\n"
     )
@@ -153,7 +173,16 @@ def test_help_fits_80_columns_and_ends_with_examples_that_are_good(command, caps
     assert max(map(len, shown.splitlines())) <= 80
     head, _, _ = shown.rpartition("Examples:")
     assert all(f"{option} " in head for option in options_of(command))
-    examples = [shlex.split(line) for line in app[command].help_epilogue.splitlines() if "adcs" in line]
+    below = [line.rstrip() for line in shown.rpartition("Examples:")[2].strip().splitlines()]
+    assert below == [
+        line.strip(" `") for line in app[command].help_epilogue.splitlines()[1:]
+    ]  # each in a line of its own
+    usage, *_ = shown.splitlines()
+    assert usage.startswith(f"Usage: adcs {command} ") and "ARGS" not in usage
+    for argument in arguments_of(command):
+        if not argument.names[0].startswith("-"):
+            assert argument.names[0] in usage
+    examples = [shlex.split(line.strip(" `")) for line in app[command].help_epilogue.splitlines() if "adcs" in line]
     assert examples
     for name, *arguments in examples:
         assert name == "adcs" and arguments[0] == command
@@ -170,13 +199,13 @@ def test_version(capsys):
 
 
 def test_ground_tools_of_a_run_need_mavlink(capsys):
-    assert adcs("run", "observer-pd", "--peer", "127.0.0.1", "--frame", "eci") == 1
+    assert adcs("run", "observer-pd", "--peer", "127.0.0.1", "--frame", "eci") == 2
     assert capsys.readouterr().err == "adcs: --peer, --frame: for ground tools, add --mavlink\n"
 
 
 class TestExport:
     def export(self, tmp_path, *arguments):
-        ended = invoke(app, ["export", *map(str, arguments), "--set", "omega_BN_B=0,0,0.5"])
+        ended = invoke(app, ["export", *map(str, arguments), "--force", "--set", "omega_BN_B=0,0,0.5"])
         assert ended.exit_code == 0, ended.exception
         return read_ssp(tmp_path / "a.ssp")
 

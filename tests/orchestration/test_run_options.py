@@ -128,7 +128,7 @@ def test_an_fmu_file_runs_alone(run, tmp_path):
 
 
 def test_an_exchange_step_that_does_not_divide_the_control_period_is_refused(capsys):
-    assert adcs("run", "trigo-bs", "--step", "0.03", "--stop", "3") == 1
+    assert adcs("run", "trigo-bs", "--step", "0.03", "--stop", "3") == 2
     message = "adcs: the control period, 1/10 s, is not a whole number of exchange steps of 0.03 s"
     assert capsys.readouterr().err.startswith(message)
 
@@ -138,7 +138,7 @@ def test_an_exchange_step_that_does_not_divide_the_control_period_is_refused(cap
     [
         (("--at", "5s"), "adcs: --at 5s: expected TIME COMPONENT.VARIABLE=VALUE"),
         (("--at", "soon", "controller.k_p=3"), "adcs: --at: 'soon' is not a time, write 120s, 0.1s, 5ms, 2min or 1h"),
-        (("--every", "trackers=2"), "adcs: --every trackers=2: expected COMPONENT=N, one of guidance, plant"),
+        (("--every", "trackers=2"), "adcs: --every trackers=2: expected COMPONENT=N, N from 1; did you mean tracker?"),
         (("--every", "tracker=0"), "adcs: --every tracker=0: expected COMPONENT=N"),
         (("--delay", "plant.torque_disturbance_B=1"), "adcs: nothing is connected to plant.torque_disturbance_B"),
         (("--delay", "plant.torque_B=late"), "adcs: --delay plant.torque_B: 'late' is not a time"),
@@ -148,7 +148,7 @@ def test_an_exchange_step_that_does_not_divide_the_control_period_is_refused(cap
     ],
 )
 def test_errors_are_one_line(tmp_path, capsys, arguments, message):
-    assert adcs("run", "observer-pd", *arguments, "--out", tmp_path) == 1
+    assert adcs("run", "observer-pd", *arguments, "--out", tmp_path) == 2
     err = capsys.readouterr().err.strip()
     assert message in err.splitlines()[-1]
     assert "Traceback" not in err

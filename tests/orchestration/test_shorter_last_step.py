@@ -199,7 +199,7 @@ def test_start_on_the_command_line(tmp_path, monkeypatch):
 
 
 def test_a_start_after_the_end(tmp_path, monkeypatch, capsys):
-    assert adcs(monkeypatch, "run", "observer-pd", "--start", 200, "--out", tmp_path) == 1
+    assert adcs(monkeypatch, "run", "observer-pd", "--start", 200, "--out", tmp_path) == 2
     assert capsys.readouterr().err == "adcs: stop_time = 100.0 s lies before start_time = 200.0 s\n"
 
 

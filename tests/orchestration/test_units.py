@@ -50,6 +50,27 @@ def test_refused_conversions(unit, wanted, message):
     assert str(error.value) == message
 
 
-def test_a_factor_of_zero_is_refused():
-    with pytest.raises(AdcsError, match=r"^units 'm' and 'nothing': a factor is zero or not finite: correct it$"):
-        conversion(OURS, "m", fmu(nothing={"m": 1, "factor": 0.0}), "nothing")
+@pytest.mark.parametrize("factor", [0.0, float("inf"), float("-inf"), float("nan")])
+def test_a_factor_that_is_none_is_refused(factor):
+    """Both ways: what is divided by infinity would arrive as 0."""
+    bad = fmu(bad={"m": 1, "factor": factor}, worse={"m": 1, "factor": factor})
+    for here, unit, there, wanted in ((OURS, "m", bad, "bad"), (bad, "bad", OURS, "m"), (bad, "bad", bad, "worse")):
+        with pytest.raises(AdcsError) as error:
+            conversion(here, unit, there, wanted)
+        assert str(error.value) == f"units {unit!r} and {wanted!r}: a factor is zero or not finite: correct it"
+    if factor == factor:
+        assert conversion(bad, "bad", bad, "bad") == Scale()  # nothing is converted
+
+
+def test_factors_so_far_apart_that_0_would_arrive_are_refused():
+    with pytest.raises(AdcsError, match=r"^units 'tiny' and 'huge': a factor is zero or not finite: correct it$"):
+        conversion(fmu(tiny={"m": 1, "factor": 1e-200}), "tiny", fmu(huge={"m": 1, "factor": 1e200}), "huge")
+
+
+@pytest.mark.parametrize("offset", [float("inf"), float("nan")])
+def test_an_offset_that_is_none_is_refused(offset):
+    bad = fmu(bad={"K": 1, "offset": offset})
+    for here, unit, there, wanted in ((OURS, "K", bad, "bad"), (bad, "bad", OURS, "K")):
+        with pytest.raises(AdcsError) as error:
+            conversion(here, unit, there, wanted)
+        assert str(error.value) == f"units {unit!r} and {wanted!r}: an offset is not finite: correct it"

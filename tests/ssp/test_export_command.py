@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from adcs import AdcsError, read_ssp
+from adcs import AdcsError, read_ssp, write_ssp
 from adcs.catalogue import SYSTEMS
 from adcs.cli.app import app
 from tests.invoking import invoke
@@ -58,10 +58,38 @@ def test_from_a_file_into_another(export):
     assert read_ssp("b.ssp").step == 0.01
 
 
+def test_a_file_that_is_there_is_replaced_only_if_it_is_asked_for(export, tmp_path):
+    (tmp_path / "observer-pd.ssp").write_text("mine")
+    with pytest.raises(AdcsError) as error:
+        export("observer-pd")
+    said = "observer-pd.ssp is there already: give another name, or "
+    assert str(error.value) == f"{said}--force to replace it"
+    with pytest.raises(AdcsError) as error:
+        write_ssp("observer-pd", "observer-pd.ssp")
+    assert str(error.value) == f"{said}force=True to replace it"
+    assert (tmp_path / "observer-pd.ssp").read_text() == "mine"
+    export("observer-pd", "--force")
+    assert read_ssp("observer-pd.ssp").step == 0.01
+    write_ssp("observer-pd", "observer-pd.ssp", step=0.5, force=True)
+    assert read_ssp("observer-pd.ssp").step == 0.5
+    assert [path.name for path in tmp_path.iterdir()] == ["observer-pd.ssp"]
+
+
+def test_a_file_is_replaced_whole_or_not_at_all(export, tmp_path, monkeypatch):
+    def full(*given):
+        raise OSError(28, "No space left on device")
+
+    (tmp_path / "x.ssp").write_text("mine")
+    monkeypatch.setattr("pathlib.Path.replace", full)
+    with pytest.raises(AdcsError, match=r"^cannot write x\.ssp: No space left on device$"):
+        export("observer-pd", "x.ssp", "--force")
+    assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("x.ssp", "mine")]
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["nonsense"], "no system 'nonsense': choose one of bounded-adaptive"),
+        (["nonsense"], "no system 'nonsense': `adcs list` shows all; or give an .ssp or .fmu file"),
         (["observer-pd", "--ssp", "x.zip"], "x.zip does not end in .ssp"),
         (["x.ssp"], "say where to: adcs export x.ssp --ssp FILE.ssp"),
         (["x.ssp", "y.ssp"], "cannot open x.ssp"),

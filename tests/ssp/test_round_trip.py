@@ -31,7 +31,7 @@ def facts(system, fmi_version="2.0"):
 
 def written(system, tmp_path, **settings):
     path = tmp_path / "written.ssp"
-    write_ssp(system, path, **settings)
+    write_ssp(system, path, **settings, force=True)
     return path
 
 

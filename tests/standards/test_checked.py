@@ -158,6 +158,7 @@ def described(version, kind, own, of_type="", inner=""):
         ('nominal="0"', "nominal 0, expected a positive number"),
         ('nominal="-2"', "nominal -2, expected a positive number"),
         ('nominal="NaN"', "nominal NaN, expected a positive number"),
+        ('nominal="INF"', "nominal INF, expected a positive number"),
         ('min="3" max="2"', "min 3 is above max 2"),
         ('min="NaN"', "min is not a number"),
     ],
@@ -184,6 +185,40 @@ def test_items_of_an_enumeration_differ(tmp_path, version):
     assert text.count("type T: 2 items have the name a") == text.count("type T: 2 items have the value 2") == 1
 
 
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+@pytest.mark.parametrize(
+    ("said", "message"),
+    [
+        ('start="3"', "v: start 3 is the value of no item, expected one of 1, 2, 7"),
+        ('start="7" max="2"', "v: start 7 is the value of no item, expected one of 1, 2"),
+        ('start="7"', None),
+        ("", None),
+    ],
+)
+def test_the_start_of_an_enumeration_is_the_value_of_an_item(tmp_path, version, said, message):
+    """Which is refused by --set and --at alike."""
+    items = '<Item name="a" value="1"/><Item name="b" value="2"/><Item name="c" value="7"/>'
+    texts = found(packed(tmp_path / "c.fmu", described(version, "Enumeration", said, inner=items))).split(" | ")
+    assert [text for text in texts if " item" in text] == ([] if message is None else [message])
+
+
+def test_the_start_of_an_array_of_an_enumeration(tmp_path):
+    variable = (
+        '<Enumeration name="v" valueReference="1" declaredType="T" start="0 1 0 5"><Dimension start="4"/></Enumeration>'
+    )
+    items = "".join(f'<Item name="i{n}" value="{n}"/>' for n in range(1, 13) if n != 5)
+    xml = description3(variable, f'<EnumerationType name="T">{items}</EnumerationType>')
+    texts = found(packed(tmp_path / "c.fmu", xml)).split(" | ")
+    known = "expected one of 1, 2, 3, 4, 6, 7 and 5 more"
+    assert [t for t in texts if " item" in t] == [f"v: start {n} is the value of no item, {known}" for n in (0, 5)]
+
+
+@pytest.mark.parametrize("said", ["start='x'", "start='1.5'", "value=''"])
+def test_an_enumeration_that_the_schema_refuses_costs_no_traceback(tmp_path, said):
+    kind, item = ("", said) if "value" in said else (said, 'value="1"')
+    assert found(packed(tmp_path / "c.fmu", described("3.0", "Enumeration", kind, inner=f'<Item name="a" {item}/>')))
+
+
 def test_binary_start_values_are_no_longer_than_they_may_be(tmp_path):
     text = '<Binary name="v" valueReference="1" maxSize="2" causality="parameter" variability="fixed">{}</Binary>'
     for value, long in (("0a0b", False), ("0a0b0c", True)):
@@ -197,6 +232,10 @@ def test_units_have_factors_and_unused_types_have_units(tmp_path, version):
     said = found(packed(tmp_path / "c.fmu", (description3 if version == "3.0" else description2)("", units=units)))
     assert "unit K: its base unit has the factor 0" in said
     assert "unit K: its display unit mK has the factor 0" in said
+    endless = '<Unit name="K"><BaseUnit K="1" offset="NaN"/><DisplayUnit name="C" offset="INF"/></Unit>'
+    said = found(packed(tmp_path / "c.fmu", (description3 if version == "3.0" else description2)("", units=endless)))
+    assert "unit K: its base unit has the offset nan, expected a number" in said
+    assert "unit K: its display unit C has the offset inf, expected a number" in said
     unused = (
         '<Float64Type name="T" unit="W"/>' if version == "3.0" else '<SimpleType name="T"><Real unit="W"/></SimpleType>'
     )

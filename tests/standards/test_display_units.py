@@ -11,12 +11,16 @@ from .small import description2, description3, packed
 VARIABLES = (
     '<Float64 name="p" valueReference="1" unit="S"/><Float64 name="t" valueReference="2" unit="K"/>'
     '<Float64 name="d" valueReference="3" unit="K" relativeQuantity="true"/>'
-    '<Float64 name="c" valueReference="4" unit="l/100km"/>'
+    '<Float64 name="c" valueReference="4" unit="l/100km"/><Float64 name="w" valueReference="5" unit="s"/>'
 )
 UNITS = (
     '<Unit name="S"><DisplayUnit name="Ohm" inverse="true"/><DisplayUnit name="mS" factor="1000"/></Unit>'
     '<Unit name="K"><DisplayUnit name="degF" factor="1.8" offset="-459.67"/>'
-    '<DisplayUnit name="zero" factor="0"/></Unit>'
+    '<DisplayUnit name="zero" factor="0"/><DisplayUnit name="endless" factor="INF"/>'
+    '<DisplayUnit name="none" factor="NaN"/><DisplayUnit name="far" offset="INF"/>'
+    '<DisplayUnit name="near" offset="-INF"/></Unit>'
+    '<Unit name="s"><DisplayUnit name="void" factor="0" inverse="true"/>'
+    '<DisplayUnit name="lots" factor="-INF" inverse="true"/></Unit>'
     '<Unit name="l/100km"><DisplayUnit name="mpg" factor="235.214583" inverse="true"/></Unit>'
 )
 
@@ -49,6 +53,14 @@ def test_a_value_in_a_display_unit(fmu, name, text, value):
     [
         ("p", "0Ohm", "p = '0Ohm' is not finite in S: expected a finite number"),
         ("t", "3zero", "t = '3zero' is not finite in K: expected a finite number"),
+        ("t", "3endless", "t = '3endless' is not finite in K: expected a finite number"),
+        ("t", "3none", "t = '3none' is not finite in K: expected a finite number"),
+        ("t", "3far", "t = '3far' is not finite in K: expected a finite number"),
+        ("t", "3near", "t = '3near' is not finite in K: expected a finite number"),
+        ("w", "3void", "w = '3void' is not finite in s: expected a finite number"),
+        ("w", "3lots", "w = '3lots' is not finite in s: expected a finite number"),
+        ("p", "1e999Ohm", "p = '1e999Ohm' is not finite in S: expected a finite number"),
+        ("p", "InfinityOhm", "p = 'InfinityOhm' is not finite in S: expected a finite number"),
         ("p", "[[1],[2,3]]Ohm", "p = '[[1],[2,3]]Ohm': expected numbers before 'Ohm'"),
     ],
 )

@@ -18,12 +18,14 @@ from fmus.errors import AdcsError, shown
 from orchestration.plan.lowering import Floats
 from orchestration.results.result import Recording
 from orchestration.running.conditions.words import (
-    EXPECTED,
+    EXAMPLE,
     FUNCTIONS,
+    Seconds,
     Words,
     looks_like_a_name,
     taken_apart,
     unreadable,
+    wrong,
 )
 from orchestration.system import End, System
 
@@ -122,7 +124,7 @@ class _Reader:
         tree = _parsed(words)
         holds = self._truth(tree, True)
         if not any(isinstance(found, End) for found in words.found.values()) and "time" not in words.code:
-            raise AdcsError(f"no variable is in it: {EXPECTED}")
+            raise AdcsError(f"no variable is in it; {EXAMPLE}")
         return holds
 
     def variable(self, end: End, name: str) -> Seen:
@@ -166,6 +168,7 @@ class _Reader:
             case ast.UnaryOp(op=ast.Not()):
                 return self._truth(node.operand, not wanted)
             case ast.Compare() if all(type(op) in _SIGNS for op in node.ops):
+                self._times_apart(node)
                 signs = [_SIGNS[type(op)] for op in node.ops]
                 numbers = [self._number(part) for part in (node.left, *node.comparators)]
                 parts = [
@@ -173,7 +176,7 @@ class _Reader:
                     for sign, left, right in zip(signs, numbers, numbers[1:], strict=False)
                 ]
                 return _joined(parts, True, wanted)
-        raise AdcsError(f"{self._shown(node)} is no comparison: {EXPECTED}")
+        raise self._wrong(node, "is no comparison")
 
     def _number(self, node: ast.expr) -> Seen:
         match node:
@@ -192,9 +195,9 @@ class _Reader:
             case ast.Call(func=ast.Name(id=name)) if name in FUNCTIONS:
                 end = self._found(node.args[0]) if len(node.args) == 1 else None
                 if not isinstance(end, End):
-                    raise AdcsError(f"{self._shown(node)}: {name}() takes one recorded variable")
+                    raise self._wrong(node, f"is no number, {name}() takes one recorded variable")
                 return self.function(name, end)
-        raise AdcsError(f"{self._shown(node)} is no number: {EXPECTED}")
+        raise self._wrong(node, "is no number")
 
     def _found(self, node: ast.expr) -> End | float | None:
         return self._words.found.get(node.col_offset) if isinstance(node, ast.Name) else None
@@ -202,8 +205,15 @@ class _Reader:
     def _slice(self, node: ast.expr) -> str:
         return self._words.text[node.col_offset : node.end_col_offset]
 
-    def _shown(self, node: ast.expr) -> str:
-        return shown(repr(self._slice(node)), 80)
+    def _wrong(self, node: ast.expr, why: str) -> AdcsError:
+        return wrong(self._slice(node), node.col_offset, why)
+
+    def _times_apart(self, node: ast.Compare) -> None:
+        """Refuse a time beside anything but `time`."""
+        names = [part for part in ast.walk(node) if isinstance(part, ast.Name)]
+        for part in names:
+            if isinstance(self._found(part), Seconds) and all(name.id != "time" for name in names):
+                raise self._wrong(part, "is a time, and is compared with no `time`")
 
 
 def _parsed(words: Words) -> ast.expr:
@@ -214,7 +224,7 @@ def _parsed(words: Words) -> ast.expr:
     except SyntaxError as error:
         if error.offset and error.offset <= len(words.text):
             raise unreadable(words.text, error.offset - 1) from None
-        raise AdcsError(f"it ends too early: {EXPECTED}") from None
+        raise AdcsError(f"it ends too early; {EXAMPLE}") from None
     except (RecursionError, MemoryError):
         raise too_deep from None
     level: list[ast.AST] = [tree]

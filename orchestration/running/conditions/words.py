@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from dataclasses import dataclass, field
 from math import isfinite
 
 from fmus.errors import AdcsError, shown
+from fmus.spelling import close
 from orchestration.system import End, System
+from orchestration.times import UNITS, no_unit
 
 FUNCTIONS = ("norm", "max", "min")
 """Those of a recorded variable."""
@@ -16,18 +17,22 @@ FUNCTIONS = ("norm", "max", "min")
 WORDS = (*FUNCTIONS, "abs", "time", "and", "or", "not")
 """What has a meaning besides names and numbers."""
 
-EXPECTED = (
-    "expected VARIABLE < NUMBER, or norm(VARIABLE), max(), min(); <=, >, >=; also with time (in s), abs(), + - * /, "
-    "and, or, not, ( )"
-)
+EXAMPLE = "write it as in norm(plant.omega_BN_B) < 1e-3 and time > 20s"
+"""The end of each refusal."""
 
 _MOST = 1000
 _BLANK = re.compile(r"\s+")
-_NUMBER = re.compile(r"(?:\d[\d_]*(?:\.[\d_]*)?|\.\d[\d_]*)(?:[eE][+-]?\d[\d_]*)?(?![\w.])")
+_DIGITS = r"(?P<number>(?:\d[\d_]*(?:\.[\d_]*)?|\.\d[\d_]*)(?:[eE][+-]?\d[\d_]*)?)"
+_NUMBER = re.compile(rf"{_DIGITS}(?:\s*(?P<unit>{'|'.join(UNITS)}))?(?![\w.])")
+_OTHER_UNIT = re.compile(_DIGITS + r"(?P<unit>[^\W\d_]+)(?![\w.])")
 _PLAIN = re.compile(r"\w+(?![\w.])")
 _SIGN = re.compile(r"<=|>=|[<>()+\-*/,]")
 _INDEX = re.compile(r"\[(?: |[^\s\[\]])*\]")
 _WORD = re.compile(r"(?:[^\s()<>=+\-*/,.\[\]]+/)*[^\s()<>=+\-*/,\[\]]+(?: *" + _INDEX.pattern + ")?")
+
+
+class Seconds(float):
+    """A number that was given a unit of time, in s."""
 
 
 @dataclass(frozen=True)
@@ -47,9 +52,14 @@ def looks_like_a_name(text: str) -> bool:
     return bool(_WORD.fullmatch(text)) and re.split(r"\W", text, maxsplit=1)[0] not in WORDS
 
 
+def wrong(part: str, at: int, why: str) -> AdcsError:
+    """Say what is wrong with a part of a condition, and where it is."""
+    return AdcsError(f"{shown(repr(part), 40)} at character {at + 1} {why}; {EXAMPLE}")
+
+
 def unreadable(text: str, at: int) -> AdcsError:
     """Say where what cannot be read begins."""
-    return AdcsError(f"not readable from {shown(repr(text[at:]), 40)} on: {EXPECTED}")
+    return wrong(text[at:], at, "is not readable")
 
 
 def taken_apart(text: str, system: System) -> Words:
@@ -99,12 +109,12 @@ def _number(text: str, at: int) -> tuple[int, float] | None:
     if match is None:
         return None
     try:
-        value = float(match[0])
+        value = float(match["number"])
     except ValueError:  # an underscore where none may be
         return None
-    if not isfinite(value):
-        raise AdcsError(f"{shown(match[0], 40)} is beyond what a number can hold: {EXPECTED}")
-    return match.end(), value
+    if not isfinite(value * float(UNITS.get(match["unit"], "1"))):
+        raise wrong(match[0], at, "is beyond what a number can hold")
+    return match.end(), Seconds(value * float(UNITS[match["unit"]])) if match["unit"] else value
 
 
 def _known(system: System, text: str, at: int) -> str:
@@ -112,11 +122,12 @@ def _known(system: System, text: str, at: int) -> str:
     for kind in (_SIGN, _PLAIN):
         if (found := kind.match(text, at)) and (kind is _SIGN or found[0] in WORDS):
             return found[0]
+    if other := _OTHER_UNIT.match(text, at):
+        raise wrong(other[0], at, f"is no number: {no_unit(other['unit'])}")
     match = _WORD.match(text, at)
     word = match[0] if match else text[at]
     if "." in word and not word[0].isdigit():
         system.end(word)  # says what there is instead
     names = [*WORDS, *(f"{c.name}.{port}" for c in system.components.values() for port in c.fmu.ports)]
-    close = difflib.get_close_matches(word[:200], names, 3, 0.5) if len(word) > 1 else []
-    near = f" (did you mean {' or '.join(close)}?)" if close else ""
-    raise AdcsError(f"{shown(repr(word), 80)} is no name, number, word or sign of a condition{near}: {EXPECTED}")
+    meant = close(word, names) if len(word) > 1 else ""
+    raise wrong(word, at, f"has no meaning{f' (did you mean {meant}?)' if meant else ''}")

@@ -8,7 +8,8 @@ from functools import wraps
 from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
-from adcs.catalogue import SYSTEMS, find_system, fmus_meant
+from adcs.catalogue import find_system, fmus_meant
+from fmus.catalog import components
 from fmus.check import Finding
 from orchestration import named
 from orchestration.checking import check as check_fmu
@@ -47,6 +48,10 @@ def _by_name(
     return found
 
 
+def _is_fmu(name: str) -> bool:
+    return Path(name).suffix == ".fmu" or any(component.name == name for component in components())
+
+
 def check(fmu: str | Path) -> list[Finding]:
     """Everything that is found in an FMU that it or a run should not have; empty if it is fine.
 
@@ -62,5 +67,5 @@ def check(fmu: str | Path) -> list[Finding]:
 run = _by_name(run_system)
 steps = _by_name(steps_of_system)
 write_ssp = _by_name(write_system)
-linearize = _by_name(linearize_system, lambda name: name in SYSTEMS or is_ssp(name))  # an FMU may be given start values
+linearize = _by_name(linearize_system, lambda name: not _is_fmu(name))  # an FMU may be given start values
 named.find_by(_found)  # for Session and CoupledModel, which are classes wherever they are from

@@ -30,5 +30,5 @@ class SystemEntry:
     def built(self) -> System:
         """Return the system, with its times."""
         system = self.build()
-        system.times = Times(self.start_time, self.stop_time, self.step)
+        system.times = Times(self.start_time, self.stop_time, self.step, self.assumed)
         return system

@@ -122,11 +122,15 @@ class Ends:
 
 @dataclass(frozen=True)
 class Times:
-    """How a system is run where nothing else is said: from `start` to `stop` in exchange steps of `step` (s)."""
+    """How a system is run where nothing else is said: from `start` to `stop` in exchange steps of `step` (s).
+
+    `assumed` names those, `stop_time` or `step`, that its file does not give.
+    """
 
     start: float
     stop: float
     step: float
+    assumed: Sequence[str] = ()
 
 
 class System:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
 
 from adcs.catalogue import find_system
-from adcs.cli.command import command
+from adcs.cli.command import at_work, command
 from adcs.cli.run_files import kept_in
 from adcs.cli.showing import as_json, show, write_files, write_report
 from fmus.errors import AdcsError, Failed
@@ -36,7 +37,7 @@ def recover(
     """
     if folder.is_file():
         raise AdcsError(f"{folder} is a file: give the folder of the results, {folder.parent}")
-    with ResultsFolder(folder) as results:
+    with ResultsFolder(folder) as results, nullcontext() if ended_with is None else at_work():
         if not results.journal.exists():
             raise AdcsError(
                 f"{folder} has no {journal.NAME}: its run was not killed, or nothing is left of it; give the folder of "

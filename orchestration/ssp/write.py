@@ -54,8 +54,10 @@ def write_ssp(
     if path.is_file() and not force:
         raise AdcsError(f"{path} is there already: give another name, or force=True to replace it")
     system.check()
-    if system.times is not None:
-        start_time, stop_time, step = system.run_times(start_time, stop_time, step)
+    if (own := system.times) is not None:
+        start_time = own.start if start_time is None else start_time
+        stop_time = own.stop if stop_time is None and "stop_time" not in own.assumed else stop_time
+        step = own.step if step is None and "step" not in own.assumed else step
     start_time = start_time or 0.0
     for name, value in (("start_time", start_time), ("stop_time", stop_time), ("step", step)):
         if value is not None and not (isfinite(value) and (value > 0 or name != "step")):

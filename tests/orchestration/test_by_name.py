@@ -11,6 +11,7 @@ import pytest
 from adcs import AdcsError, CoupledModel, Session, System, check, linearize, read_ssp, run, steps, systems, write_ssp
 from adcs.cli.app import app
 from fmus.check import Finding
+from orchestration.single import single
 from tests.invoking import invoke
 
 
@@ -95,9 +96,18 @@ def test_a_name_is_written_with_its_times(tmp_path):
     assert (tmp_path / "y.ssp").read_bytes() == (tmp_path / "x.ssp").read_bytes()
 
 
+def test_times_that_nobody_gave_are_not_written(tmp_path):
+    write_ssp(single("RigidBody"), tmp_path / "none.ssp")
+    write_ssp(tmp_path / "none.ssp", tmp_path / "again.ssp")
+    write_ssp(tmp_path / "none.ssp", tmp_path / "given.ssp", step=0.5)
+    found = [read_ssp(tmp_path / f"{name}.ssp") for name in ("none", "again", "given")]
+    assert [(file.stop_time, file.step) for file in found] == [(None, None), (None, None), (None, 0.5)]
+
+
 @pytest.mark.parametrize(
     ("made", "message"),
     [
+        (lambda: linearize("observer-dp"), "no system 'observer-dp': did you mean observer-pd"),
         (lambda: Session("observer-dp"), "no system 'observer-dp': did you mean observer-pd"),
         (lambda: CoupledModel("observer-dp"), "no system 'observer-dp': did you mean observer-pd"),
         (lambda: write_ssp("observer-dp", "x.ssp"), "no system 'observer-dp': did you mean observer-pd"),

@@ -42,7 +42,7 @@ def test_a_second_run_gets_the_next_number_and_force_replaces(tmp_path: Path) ->
 def test_a_run_that_is_refused_takes_no_number(tmp_path: Path) -> None:
     adcs("run", "observer-pd", *SHORT, "--out", "out", cwd=tmp_path)
     code, _, _ = adcs("run", "observer-pd", *SHORT, "--out", "out", "--record", "plant.nothing", cwd=tmp_path)
-    assert (code, [file.name for file in tmp_path.iterdir()]) == (1, ["out"])
+    assert (code, [file.name for file in tmp_path.iterdir()]) == (2, ["out"])
 
 
 @pytest.mark.parametrize("left", [journal.NAME, "report.html", "previous", *STUDY])

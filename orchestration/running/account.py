@@ -15,6 +15,7 @@ from orchestration.plan.lowering import Floats
 from orchestration.process.guard import explained
 from orchestration.results.manifest import completed, make_manifest
 from orchestration.results.result import Result, RunFailed, RunInterrupted
+from orchestration.running.asking import ask
 from orchestration.running.driver import Driver
 from orchestration.running.hook import Hook, together
 from orchestration.running.outline import Outline
@@ -29,14 +30,7 @@ class Account:
         self.manifest = make_manifest(
             outline.system,
             outline.fmi_version,
-            together(
-                {"fmi_version": outline.fmi_version, "start_time": grid.start},
-                {"stop_time": grid.time(grid.steps), "step": grid.step},
-                outline.method.for_manifest(),
-                outline.save.for_manifest(),
-                {} if outline.saved is None else {"resume": str(outline.saved.path)},
-                *(hook.for_manifest() for hook in hooks),
-            ),
+            _settings(outline, hooks),
             outline.files,
         )
         self.manifest["warnings"] += outline.warnings
@@ -118,3 +112,21 @@ class Account:
         simulated = float(times[-1] - times[0]) if len(times) else 0.0
         per_cpu = simulated / cpu if cpu > 0 else None
         return {"wall_s": wall, "cpu_s": cpu, "simulated_s": simulated, "simulated_s_per_cpu_s": per_cpu}
+
+
+def _settings(outline: Outline, hooks: Sequence[Hook]) -> dict[str, Any]:
+    """Return what the manifest has to know to repeat the run."""
+    own = {
+        "fmi_version": outline.fmi_version,
+        "start_time": outline.grid.start,
+        "stop_time": outline.grid.time(outline.grid.steps),
+        "step": outline.grid.step,
+        **outline.method.for_manifest(),
+        **outline.save.for_manifest(),
+        **({} if outline.saved is None else {"resume": str(outline.saved.path)}),
+    }
+    given = [ask(hook, "for_manifest") for hook in hooks]
+    for hook, settings in zip(hooks, given, strict=True):
+        for name in settings.keys() & own:
+            raise AdcsError(f"{type(hook).__name__}.for_manifest has {name!r}, which the run has: give it another name")
+    return {**own, **together(*given)}

@@ -25,14 +25,6 @@ class Change:
         """Find the communication point of a time [s]; refuse one between two points."""
         return cls(grid.index(time, f"the change of {name}"), name, value)
 
-    @classmethod
-    def of(cls, k: int, given: Change | tuple[str, Value]) -> Change:
-        """Return what a hook wants at point k: a change, or the name of a variable and its value."""
-        if isinstance(given, Change):
-            return given
-        name, value = given
-        return cls(k, name, value)
-
     def check(self, simulation: Simulation) -> None:
         """Refuse what could not be set when its time comes."""
         simulation.check_change(self.name, self.value)

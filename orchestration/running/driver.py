@@ -12,6 +12,7 @@ from orchestration.instances.instance import EndRequested
 from orchestration.instances.life import hung_failure
 from orchestration.process.watch import Hung, Unwatched, Watched
 from orchestration.results.result import Recording
+from orchestration.running.asking import ask, overrides
 from orchestration.running.change import Change
 from orchestration.running.hook import MOST, Hook
 from orchestration.running.simulation import Simulation
@@ -41,23 +42,29 @@ class Driver:
         self.row_at = float("-inf")
         """The time of the last row [s]."""
         # what is asked at each point, of those only that have an answer of their own
-        self._afters = [hook.after for hook in hooks if _overrides(hook, "after")]
-        self._aheads = [hook.ahead for hook in hooks if _overrides(hook, "ahead")]
-        self._changes = [hook.changes for hook in hooks if _overrides(hook, "changes")]
-        self._mets = [hook for hook in hooks if _overrides(hook, "met")]
+        self._afters, self._aheads, self._changes = (
+            [partial(ask, hook, method) for hook in hooks if overrides(hook, method)]
+            for method in ("after", "ahead", "changes")
+        )
+        self._mets = [hook for hook in hooks if overrides(hook, "met")]
         self.met: dict[str, Any] | None = None
         """The condition that ended the run, and when."""
 
     def prepare(self) -> None:
         """Let everyone see the run; AdcsError from who cannot take part in it."""
         for hook in self._hooks:
-            hook.begin(self.simulation, self._hooks, self._watched)
+            ask(hook, "begin", self.simulation, self._hooks, self._watched)
 
     def report(self) -> dict[str, Any]:
         """Return what the manifest is to have of the run."""
         ended = self.simulation.ended
-        reports = {name: value for hook in self._hooks for name, value in hook.report().items()}
-        self.simulation.notes += [note for hook in self._hooks for note in hook.notes()]
+        reports: dict[str, Any] = {}
+        for hook in self._hooks:
+            try:
+                reports |= ask(hook, "report")
+                self.simulation.notes += ask(hook, "notes")
+            except AdcsError as error:  # the run itself is as good as it was
+                self.simulation.notes.append(str(error))
         return {
             **self.simulation.report(),
             **reports,
@@ -102,7 +109,7 @@ class Driver:
 
     def _end(self) -> None:
         for hook in self._hooks:
-            hook.end()
+            ask(hook, "end")
 
     def _tell(self, first: int) -> None:
         """Show everyone the point that was taken last, if any from `first` on was, and an end that has a row."""
@@ -123,16 +130,14 @@ class Driver:
         ahead = (simulation.grid.full if k <= simulation.grid.full else simulation.last) + 1 - k
         count = max(1, min(count, ahead, room))
         for asked in self._aheads:
-            count = min(count, points := asked(k))
-            if not (isinstance(points, int) and points >= 1):
-                raise AdcsError(f"{asked.__qualname__} returned {points!r}: expected a number of points from 1")
+            count = min(count, asked(k))
         return count
 
     def _change(self) -> list[Change]:
         """Make the changes that belong to the present point; return those that are to be made after its row."""
         after: list[Change] = []
         k = self.simulation.k
-        for change in [Change.of(k, change) for changes in self._changes for change in changes(k)]:
+        for change in [change for changes in self._changes for change in changes(k)]:
             if change.may_follow(self.simulation):
                 after.append(change)
             else:
@@ -157,7 +162,11 @@ class Driver:
         if self._mets:
             times = simulation.grid.rows(first, every, kept)
             for hook in self._mets:
-                met = hook.met(times[:kept], rows[:kept])
+                try:
+                    met = ask(hook, "met", times[:kept], rows[:kept])
+                except AdcsError:
+                    recording.commit(kept)
+                    raise
                 if met is not None and (self.met is None or met + 1 < kept):
                     kept, failed = met + 1, None
                     self.met = {"condition": str(hook)}
@@ -165,7 +174,7 @@ class Driver:
         if recording.filled > filled:
             self.row_at = simulation.grid.time(-(-first // every) * every + (kept - 1) * every)
         if self.met is not None:
-            self.met["time"] = self.row_at
+            self.met["time"] = float(self.row_at)
         stays = bool(after) and k > first and failed is None and self.met is None
         simulation.k = first if stays else k
         if failed is not None and not isinstance(failed, EndRequested):
@@ -206,7 +215,3 @@ class Driver:
         self._recording.commit(1)
         self.row_at = ended.time
         return True
-
-
-def _overrides(hook: Hook, method: str) -> bool:
-    return getattr(type(hook), method) is not getattr(Hook, method)

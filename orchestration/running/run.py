@@ -19,6 +19,7 @@ from orchestration.process.watch import Unwatched, Watched
 from orchestration.results.result import Result
 from orchestration.running import arguments
 from orchestration.running.account import Account
+from orchestration.running.asking import ask
 from orchestration.running.driver import Driver, Progress
 from orchestration.running.hook import Hook
 from orchestration.running.method import CoSimulation, Method
@@ -73,7 +74,7 @@ def run(
     grid = Grid.make(*system.run_times(start_time, stop_time, step), partial(method.rigid, system, fmi_version))
     outline = Outline.of(system, grid, method, save, fmi_version, resume)
     for hook in hooks:
-        hook.prepare(outline)
+        ask(hook, "prepare", outline)
     account = Account(outline, hooks)
     guard = Guard(ThreadControl(), outline.recording.printed)
     with closing(guard), account.told():

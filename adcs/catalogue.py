@@ -15,6 +15,7 @@ from fmus.errors import AdcsError, shown
 from fmus.spelling import close
 from orchestration.entry import SystemEntry
 from orchestration.from_file import component_alone, is_file, system_from_file
+from orchestration.from_python import is_python
 from orchestration.ssp.names import is_ssp
 
 # Each folder of `library` brings its own, in its module `catalogue`.
@@ -42,12 +43,17 @@ def find_component(name: str) -> Component:
     try:
         return catalog.find(name, SYSTEMS)
     except AdcsError as error:
-        raise AdcsError(f"{str(error).rstrip('?')}, or give a system, or an .fmu or .ssp file") from None
+        raise AdcsError(f"{str(error).rstrip('?')}, or give a system, or an .fmu, .ssp or .py file") from None
+
+
+def names_system(name: str) -> bool:
+    """Whether a name is that of a system, or of a file with one; not that of a component, which can be one as well."""
+    return name in SYSTEMS or is_ssp(name) or is_python(name)
 
 
 def fmus_meant(name: str) -> list[Path]:
     """Return the FMUs of a component, of all components of a system, or the one that has this path."""
-    if name in SYSTEMS or is_ssp(name):
+    if names_system(name):
         parts = find_system(name).build().components.values()
         return list(dict.fromkeys(path for part in parts for path in fmus_meant(str(part.source))))
     if Path(name).suffix != ".fmu":
@@ -55,6 +61,9 @@ def fmus_meant(name: str) -> list[Path]:
     if not Path(name).is_file():
         raise AdcsError(f"{name} is no file")
     return [Path(name)]
+
+
+_WAY_OUT = "`adcs list` shows all; or give an .ssp, .py or .fmu file"
 
 
 def find_system(name: str) -> SystemEntry:
@@ -67,5 +76,5 @@ def find_system(name: str) -> SystemEntry:
             return component_alone(name)
         meant = close(name, [*SYSTEMS, *built])
         hint = f"did you mean {meant}? " if meant else ""
-        raise AdcsError(f"no system {shown(repr(name))}: {hint}`adcs list` shows all; or give an .ssp or .fmu file")
+        raise AdcsError(f"no system {shown(repr(name))}: {hint}{_WAY_OUT}")
     return SYSTEMS[name]

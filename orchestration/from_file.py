@@ -1,4 +1,4 @@
-"""A system from a file: an `.ssp`, one of several structures in it, or one `.fmu`."""
+"""A system from a file: an `.ssp`, one of several structures in it, a `.py`, one of several in it, or one `.fmu`."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ import numpy as np
 
 from orchestration.entry import SystemEntry
 from orchestration.fmu.file import element_names
+from orchestration.from_python import is_python, system_from_python
+from orchestration.from_python import named as python_named
 from orchestration.results.plots import Panel, Series
 from orchestration.results.report import KeyNumber
 from orchestration.results.result import Result
 from orchestration.single import single
 from orchestration.ssp.names import is_ssp, named_structure
-from orchestration.system import System
+from orchestration.system import System, Times
 
 _STEPS = 1000  # of a run whose file gives no exchange step
 _STOP = 10.0  # s, of a run whose file gives no stop time
@@ -22,13 +24,15 @@ _MOST_CURVES = 9  # in one panel: a 3 x 3 matrix
 
 
 def is_file(name: str) -> bool:
-    """Whether a name is that of a file that holds a system: `.ssp`, a structure in one, or `.fmu`."""
-    return is_ssp(name) or Path(name).suffix == ".fmu"
+    """Whether a name is that of a file that holds a system: `.ssp`, a structure in one, `.py`, or `.fmu`."""
+    return is_ssp(name) or is_python(name) or Path(name).suffix == ".fmu"
 
 
 def system_from_file(name: str) -> SystemEntry:
     """Return the system in a file for which `is_file` holds."""
-    return _from_ssp(name) if is_ssp(name) else component_alone(name)
+    if is_ssp(name):
+        return _from_ssp(name)
+    return _from_python(name) if is_python(name) else component_alone(name)
 
 
 def from_anywhere(name: str) -> str:
@@ -36,7 +40,17 @@ def from_anywhere(name: str) -> str:
     if is_ssp(name):
         path, structure = named_structure(name)
         return str(path.absolute()) + (f"#{structure}" if structure else "")
+    if is_python(name):
+        path, inside = python_named(name)
+        return str(path.absolute()) + (f":{inside}" if inside else "")
     return str(Path(name).absolute()) if Path(name).suffix == ".fmu" else name
+
+
+def _from_python(name: str) -> SystemEntry:
+    """Return the system of a Python file; its name is that of the system, which is that of the results' folder."""
+    system = system_from_python(name)
+    own = system.times or Times(0.0, _STOP, _STOP / _STEPS, ("stop_time", "step"))
+    return _entry(system.name, system, own.start, own.stop, own.step, own.assumed)
 
 
 def _from_ssp(name: str) -> SystemEntry:

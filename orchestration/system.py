@@ -137,15 +137,27 @@ class Times:
 class System:
     """Components and their wiring; everything that can be checked without running is checked at once.
 
-    `times` are those of a run that is given none.
+    `times` are those of a run that is given none, as `stop_time`, `step` and `start_time` say.
     """
 
-    def __init__(self, name: str, description: str = "") -> None:
+    def __init__(
+        self,
+        name: str,
+        description: str = "",
+        *,
+        stop_time: Seconds | None = None,
+        step: Seconds | None = None,
+        start_time: Seconds = 0.0,
+    ) -> None:
         expected.text("name", name)
         expected.text("description", description)
         self.name = name
         self.description = description
         self.times: Times | None = None
+        if (stop_time is None) != (step is None):
+            raise AdcsError(f"{'step' if step is None else 'stop_time'}: give both times of a run, or none")
+        if stop_time is not None:
+            self.times = Times(*self.run_times(start_time, stop_time, step))
         self.components: dict[str, Component] = {}
         self._connections: list[Connection] = []
         self._incoming: dict[tuple[str, str], list[Connection]] = {}  # by component and node

@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from adcs.catalogue import SYSTEMS, find_component
+from adcs.catalogue import find_component, find_system, names_system
 from adcs.cli.command import at_work, command
 from adcs.cli.printing import ERR, OUT, Json, print_json
 from fmus.build import describe
@@ -32,7 +32,7 @@ app = command(
 
 @app.default
 def info(
-    name: Annotated[str, Parameter(help="A component, a system, or an .fmu or .ssp file.")],
+    name: Annotated[str, Parameter(help="A component, a system, or an .fmu, .ssp or .py file.")],
     /,
     *,
     as_json: Json = False,
@@ -43,8 +43,8 @@ def info(
         facts = _fmu(open_fmu(path))
     elif is_ssp(name):
         facts = _ssp(name)
-    elif name in SYSTEMS:
-        entry = SYSTEMS[name]
+    elif names_system(name):
+        entry = find_system(name)
         facts = _parts(entry.build(), entry.start_time, entry.stop_time, entry.step)
     else:
         _show_component(find_component(name), as_json)

@@ -32,7 +32,11 @@ from orchestration.running.session import Stepping
 from orchestration.system import System
 
 SystemName = Annotated[
-    str, Parameter(help="Name of a system or of a built component (`adcs list`), or an .ssp or .fmu file.")
+    str,
+    Parameter(
+        help="Name of a system or of a built component (`adcs list`), or an .ssp, .fmu or .py file; of several systems "
+        "in that FILE.py:NAME."
+    ),
 ]
 
 

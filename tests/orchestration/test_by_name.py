@@ -127,13 +127,13 @@ def test_names_of_none_are_refused(made, message):
         (
             "observr-pd",
             "no system 'observr-pd': did you mean observer-pd or quest-observer-pd or observer-inertia-error? "
-            "`adcs list` shows all; or give an .ssp or .fmu file",
+            "`adcs list` shows all; or give an .ssp, .py or .fmu file",
         ),
         (
             "rigidbody",
-            "no system 'rigidbody': did you mean RigidBody? `adcs list` shows all; or give an .ssp or .fmu file",
+            "no system 'rigidbody': did you mean RigidBody? `adcs list` shows all; or give an .ssp, .py or .fmu file",
         ),
-        ("x\ny", "no system 'x\\ny': `adcs list` shows all; or give an .ssp or .fmu file"),
+        ("x\ny", "no system 'x\\ny': `adcs list` shows all; or give an .ssp, .py or .fmu file"),
     ],
 )
 def test_a_wrong_name_costs_one_line(name, message):

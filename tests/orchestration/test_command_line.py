@@ -88,7 +88,7 @@ def test_options_reach_the_run(tmp_path):
     ("arguments", "code", "message"),
     [
         (("observer-pd", "--solver", "CVode"), 2, "adcs: --solver CVode: an option of model-exchange, add --method"),
-        (("nothing",), 2, "adcs: no system 'nothing': `adcs list` shows all; or give an .ssp or .fmu file"),
+        (("nothing",), 2, "adcs: no system 'nothing': `adcs list` shows all; or give an .ssp, .py or .fmu file"),
         (("observer-pd", "--step", "0"), 2, "adcs: step = 0.0 s: expected a positive time"),
         (("observer-pd", "--step", "nan"), 2, "adcs: Invalid value for --step: 'nan' is not a time, write 120s, 0.1s"),
         (

@@ -89,7 +89,7 @@ def test_a_file_is_replaced_whole_or_not_at_all(export, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["nonsense"], "no system 'nonsense': `adcs list` shows all; or give an .ssp or .fmu file"),
+        (["nonsense"], "no system 'nonsense': `adcs list` shows all; or give an .ssp, .py or .fmu file"),
         (["observer-pd", "--ssp", "x.zip"], "x.zip does not end in .ssp"),
         (["x.ssp"], "say where to: adcs export x.ssp --ssp FILE.ssp"),
         (["x.ssp", "y.ssp"], "cannot open x.ssp"),

@@ -1,0 +1,124 @@
+"""Systems in Python files of anybody's, from anywhere."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import adcs
+
+LOOP = """
+from adcs import System
+
+def detumble() -> System:
+    system = System("detumble", "a tumbling body", stop_time="2s", step="50ms")
+    system.add("plant", "RigidBody", {"omega_BN_B": [0.1, 0.2, 0.3], "torque_B": RATE})
+    system.set("plant.torque_disturbance_B", [0, 0, 0])
+    return system
+"""
+NOT = "expected an adcs.System"
+
+
+@pytest.fixture
+def file(tmp_path, monkeypatch):
+    """Writes mission.py in the present folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def write(text: str) -> str:
+        (tmp_path / "mission.py").write_text(text)
+        return "mission.py"
+
+    return write
+
+
+def test_a_function_that_returns_a_system_is_enough(file):
+    name = file("RATE = [0, 0, 0]\n" + LOOP)
+    result = adcs.run(name)
+    assert (result.system.name, len(result.time), result.time[-1]) == ("detumble", 41, 2.0)
+    assert result == adcs.run(f"{name}:detumble") == adcs.run(Path(name).absolute())
+    with adcs.Session(name) as session:
+        assert session.step == 0.05
+
+
+def test_it_is_read_again_when_it_has_changed(file):
+    before = adcs.run(file("RATE = [0, 0, 0]\n" + LOOP))
+    assert before != adcs.run(file("RATE = [0, 0, 1]\n" + LOOP))
+
+
+def test_what_is_beside_it_can_be_imported(file, tmp_path):
+    (tmp_path / "beside_mission.py").write_text("RATE = [0.0, 0.0, 0.5]\n")
+    path = sys.path.copy()
+    system = adcs.run(file("from beside_mission import RATE\n" + LOOP)).system
+    assert system.components["plant"].start["torque_B"] == (0.0, 0.0, 0.5)
+    assert sys.path == path
+
+
+def test_a_system_by_itself_and_functions_that_say_nothing(file):
+    made = "from adcs import System\ndef f(n=1):\n    return System('f', stop_time=1, step=1)\n"
+    assert adcs.linearize  # imported before the file is
+    for text, inside in ((made, "f"), (made + "s = f()\n", "s")):
+        with pytest.raises(adcs.AdcsError, match="has no component"):
+            adcs.run(file(text))
+        with pytest.raises(adcs.AdcsError, match="has no component"):
+            adcs.run(f"mission.py:{inside}")
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "said"),
+    [
+        ("x = 1\n", "mission.py", "mission.py has no system: write a function without arguments that returns an"),
+        ("def f(n): pass\n", "mission.py", "mission.py has no system: write a function without arguments that"),
+        ("def f(): pass\ndef g(): pass\n", "mission.py", "several systems: give one, mission.py:f or mission.py:g"),
+        ("def f(): pass\n", "mission.py", f"mission.py:f returned None: {NOT}"),
+        ("def slew(): pass\n", "mission.py:slw", "mission.py has no system 'slw': did you mean slew?"),
+        ("def slew(): pass\n", "mission.py:x", "mission.py has no system 'x': it has slew"),
+        ("\nx = 1/0\n", "mission.py", "mission.py:2: ZeroDivisionError: division by zero"),
+        ("def f(:\n", "mission.py", "mission.py:1: SyntaxError: invalid syntax"),
+        ("import nothing_of_this_name\n", "mission.py", "mission.py:1: ModuleNotFoundError: No module named"),
+        ("def f():\n    raise SystemExit(3)\n", "mission.py", "mission.py:2: SystemExit: 3"),
+        (
+            "import adcs\ndef f():\n    s = adcs.System('s')\n    s.add('p', 'RigidBdy')\n",
+            "mission.py",
+            "mission.py:4: ",
+        ),
+        ("", "misson.py", "misson.py is no file"),
+    ],
+)
+def test_what_is_wrong_is_one_line(file, text, name, said):
+    file(text)
+    with pytest.raises(adcs.AdcsError) as error:
+        adcs.run(name)
+    assert said in str(error.value) and "\n" not in str(error.value)
+
+
+def test_every_command_that_takes_a_system_takes_the_file(file, tmp_path):
+    file("RATE = [0, 0, 0]\n" + LOOP)
+
+    def command(*arguments: str) -> str:
+        environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])}
+        ran = subprocess.run(
+            [sys.executable, "-m", "adcs", *arguments], cwd=tmp_path, env=environment, capture_output=True, text=True
+        )
+        assert ran.returncode == 0, ran.stderr
+        return ran.stdout
+
+    run = json.loads(command("run", "mission.py", "--no-report", "--json", "--set", "plant.torque_B=0,0,1"))
+    assert run["system"] == "detumble" and "results/detumble/result.csv" in run["files"]
+    assert json.loads(command("rerun", "results/detumble", "--json"))["same"] is True
+    assert json.loads(command("info", "mission.py", "--json"))
+    assert "nothing wrong" in command("check", "mission.py:detumble")
+    assert "1 component" in command("export", "mission.py", "--out", "m.ssp")
+    assert "6 inputs" in command("linearize", "mission.py")
+    assert "plant.omega_BN_B" in command("bridge", "mission.py", "--list")
+
+
+def test_times_of_a_system_are_given_both_or_not_at_all():
+    with pytest.raises(adcs.AdcsError, match=r"^step: give both times of a run, or none$"):
+        adcs.System("x", stop_time=1.0)
+    with pytest.raises(adcs.AdcsError, match=r"^stop_time: give both times of a run, or none$"):
+        adcs.System("x", step=1.0)
+    times = adcs.System("x", start_time="1s", stop_time="1min", step="10ms").times
+    assert (times.start, times.stop, times.step) == (1.0, 60.0, 0.01)

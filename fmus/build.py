@@ -2,10 +2,11 @@
 
 import hashlib
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from fmus import catalog
+from fmus.amalgamation import amalgamated
 from fmus.catalog import Component
 from fmus.describe import Description, run_describe
 from fmus.errors import AdcsError
@@ -149,7 +150,8 @@ class _Plan:
             return
         description = run_describe(self.describe_link.output)
         compiled = ["model.cpp", *(f"fmi/{s}.cpp" for s in adaptor)]
-        write_atomically(path, pack(self.component, description, fmi_version, binaries, sources, compiled))
+        contents = _contents(sources)
+        write_atomically(path, pack(self.component, description, fmi_version, binaries, contents, compiled))
         write_atomically(record, state().encode())
 
     def _compile_adaptor(self, name: str, target: Target) -> Step:
@@ -161,6 +163,13 @@ class _Plan:
 
     def _object(self, name: str, target: Target) -> Path:
         return self._work / "objects" / target.name / f"{name}.o"
+
+
+def _contents(sources: Mapping[str, Path]) -> dict[str, bytes]:
+    """Return what goes into `sources/` by its name there: the project's own files as they are, Eigen's in few."""
+    eigen = [file for file in sources.values() if file.is_relative_to(EIGEN)]
+    own = {name: file.read_bytes() for name, file in sources.items() if not file.is_relative_to(EIGEN)}
+    return {**own, **amalgamated(eigen, EIGEN)}
 
 
 def _name_in_sources(file: Path, model: Path) -> str:

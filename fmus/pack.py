@@ -25,7 +25,8 @@ _LICENCE_OVERVIEW = """\
 This FMU is part of adcs-fmus, BSD 3-clause licence, adcs-fmus.txt.
 
 Compiled in, and in sources/ where it is source code:
-- Eigen (sources/Eigen), Mozilla Public License 2.0, Eigen.txt. Its source code is in this FMU.
+- Eigen (sources/Eigen), Mozilla Public License 2.0, Eigen.txt. Its source code is in this FMU, each of its modules in one file
+  and without comments other than copyright notices; as its authors publish it: https://eigen.tuxfamily.org.
 - C header files of the FMI standard, 2-clause BSD licence, FMI.txt.
 - headers of libc++, Apache License 2.0 with LLVM exceptions, libcxx.txt.
 - compiler support routines of Zig, MIT licence, zig.txt.
@@ -38,7 +39,7 @@ def pack(
     description: Description,
     fmi_version: str,
     binaries: Mapping[Target, Path],
-    sources: Mapping[str, Path],
+    sources: Mapping[str, bytes],
     compiled: Iterable[str],
 ) -> bytes:
     """The FMU file.
@@ -59,7 +60,7 @@ def pack(
         "terminalsAndIcons/icon.png": png,
         "terminalsAndIcons/icon.svg": icon.draw(component.name, component.kind, "svg"),
         "sources/buildDescription.xml": _build_description(component.name, compiled),
-        **{f"sources/{name}": path.read_bytes() for name, path in sorted(sources.items())},
+        **{f"sources/{name}": content for name, content in sorted(sources.items())},
         **_binaries(component.name, fmi_version, binaries),
     }
     return _zipped(files)
@@ -114,5 +115,5 @@ def _zipped(files: Mapping[str, bytes]) -> bytes:
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.create_system = 3
             entry.external_attr = 0o644 << 16
-            archive.writestr(entry, content)
+            archive.writestr(entry, content, compresslevel=9)
     return buffer.getvalue()

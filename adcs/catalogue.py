@@ -8,7 +8,7 @@ from importlib import import_module
 
 from adcs import library
 from adcs.library.entry import StudyEntry
-from fmus import paths
+from fmus.catalog import components
 from fmus.errors import AdcsError
 from orchestration.entry import SystemEntry
 from orchestration.from_file import component_alone, is_file, system_from_file
@@ -38,9 +38,9 @@ def find_system(name: str) -> SystemEntry:
     if is_file(name):
         return system_from_file(name)
     if name not in SYSTEMS:
-        if any((paths.DIST / f"{name}{version}.fmu").is_file() for version in ("", ".fmi3")):
+        if name in (component.name for component in components()):
             return component_alone(name)
         close = get_close_matches(name, SYSTEMS, 3, 0.5)
         hint = f"did you mean {' or '.join(close)}" if close else f"choose one of {', '.join(SYSTEMS)}"
-        raise AdcsError(f"no system {name!r}: {hint}, or give a built component (`adcs list`), an .ssp or .fmu file")
+        raise AdcsError(f"no system {name!r}: {hint}, or give a component (`adcs list`), an .ssp or .fmu file")
     return SYSTEMS[name]

@@ -33,15 +33,13 @@ _GUARD = re.compile(r"#[ ]?ifndef (\w+)\n#[ ]?define (\w+)\b")
 def amalgamated(files: Collection[Path], base: Path) -> dict[str, bytes]:
     """Return what to write instead of these headers, by paths relative to `base`.
 
-    Those in folders called `src` go into the files among these that include them, but for the few that include themselves.
+    Those in folders called `src` go into the files that include them, but for the few that include themselves.
     """
     everything = frozenset(files)
     includes = {file: {_named(file, include) for include in _INCLUDE.finditer(_stripped(file))} for file in files}
     included = {other for file, others in includes.items() for other in others - {file}}
     parts = frozenset(f for f in included & everything if "src" in f.relative_to(base).parts and f not in includes[f])
-    return {
-        file.relative_to(base).as_posix(): _alone(file, parts, everything) for file in sorted(everything - parts)
-    }
+    return {file.relative_to(base).as_posix(): _alone(file, parts, everything) for file in sorted(everything - parts)}
 
 
 def stripped(code: str) -> str:

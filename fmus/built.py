@@ -1,39 +1,33 @@
-"""Which FMUs of the components are built, and where they are."""
+"""Which FMUs of the components are built, and those of a name."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 
 from fmus import catalog
 from fmus.catalog import Component
+from fmus.demand import fmu_path, place
 from fmus.errors import AdcsError
 from fmus.pack import FILE_NAMES
-from fmus.paths import DIST
 
 
-def paths(component: Component) -> dict[str, Path]:
-    """FMI version -> where the FMU is if it is built."""
-    return {version: DIST / pattern.format(component.name) for version, pattern in FILE_NAMES.items()}
+def built(component: Component) -> dict[str, Path]:
+    """FMI version -> the FMU, of those that are built."""
+    return {version: path for version in FILE_NAMES if (path := place(component, version)).is_file()}
 
 
 def all_built() -> list[Path]:
-    """Every FMU that is built; AdcsError if there is none."""
-    return _existing(path for component in catalog.components() for path in paths(component).values())
+    """Every FMU that is built, anew if need be; AdcsError if there is none."""
+    found = [fmu_path(component.name, version) for component in catalog.components() for version in built(component)]
+    if not found:
+        raise AdcsError("no FMU is built yet: name a component, or run: adcs build")
+    return found
 
 
 def fmus_of(name_or_path: str) -> list[Path]:
-    """Return the FMUs of a component, or the file of that path; AdcsError if there is none."""
+    """Return the FMUs of a component, built if need be, or the file of that path; AdcsError if there is none."""
     if Path(name_or_path).suffix == ".fmu":
         if not Path(name_or_path).is_file():
             raise AdcsError(f"{name_or_path} is no file")
         return [Path(name_or_path)]
-    return _existing(paths(catalog.find(name_or_path)).values())
-
-
-def _existing(wanted: Iterable[Path]) -> list[Path]:
-    wanted = list(wanted)
-    existing = [path for path in wanted if path.is_file()]
-    if not existing:
-        raise AdcsError(f"{wanted[0].name} is not built: run: adcs build")
-    return existing
+    return [fmu_path(name_or_path, version) for version in FILE_NAMES]

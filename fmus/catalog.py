@@ -3,6 +3,7 @@
 import re
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import cache
 from pathlib import Path
 
 from fmus.errors import AdcsError
@@ -50,7 +51,7 @@ def components() -> list[Component]:
         component
         for folder, kind in KINDS.items()
         for header in sorted((SOURCES / folder).glob("*.hpp"))
-        if (component := _read(header, kind))
+        if (component := _read(header, kind, (status := header.stat()).st_mtime_ns, status.st_size))
     ]
 
 
@@ -64,7 +65,8 @@ def find(name: str) -> Component:
     return known[name]
 
 
-def _read(header: Path, kind: str) -> Component | None:
+@cache
+def _read(header: Path, kind: str, _modified: int, _size: int) -> Component | None:
     name = "".join(word.capitalize() for word in header.stem.split("_"))
     try:
         code = header.read_text(encoding="utf-8")

@@ -19,6 +19,14 @@ def _user_cache() -> Path:
     return (Path(base) if base else Path.home() / ".cache") / "adcs-fmus"
 
 
+def _eigen() -> Path:
+    headers = "cmeel.prefix/include/eigen3"
+    try:
+        return Path(str(metadata.distribution("cmeel-eigen").locate_file(headers)))
+    except metadata.PackageNotFoundError:
+        return PACKAGE / headers
+
+
 CHECKOUT = _checkout()
 SOURCES = CHECKOUT / "src" if CHECKOUT else PACKAGE / "src"  # a wheel carries the C++ sources inside the package
 LICENSE = (CHECKOUT or PACKAGE) / "LICENSE"
@@ -26,5 +34,5 @@ BUILD = (CHECKOUT or _user_cache()) / "build"
 # site-packages may not be writable; ADCS_DIST puts the FMUs elsewhere.
 DIST = Path(os.environ.get("ADCS_DIST") or (PACKAGE if CHECKOUT else _user_cache()) / "dist").resolve()
 
-EIGEN = Path(str(metadata.distribution("cmeel-eigen").locate_file("cmeel.prefix/include/eigen3")))
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
+EIGEN = _eigen()  # not there where nothing can be compiled

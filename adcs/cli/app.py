@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 from collections.abc import Sequence
 from importlib import metadata
@@ -31,6 +32,8 @@ app.register_install_completion_command(name="--install-completion")
 def main() -> None:
     """Run the command line; an AdcsError becomes one line and exit code 1, words that it does not know exit code 2."""
     arguments = run.at_in_one(sys.argv[1:])
+    logging.basicConfig(format="%(message)s")
+    logging.getLogger("adcs").setLevel(logging.INFO)  # what is built, which takes a while
     try:
         app(arguments)
     except CycloptsError as error:

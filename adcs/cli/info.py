@@ -18,10 +18,8 @@ from adcs.cli.command import command
 from adcs.cli.printing import ERR, OUT, Json, print_json
 from fmus import catalog
 from fmus.build import describe
-from fmus.built import paths
 from fmus.describe import Variable
 from fmus.errors import AdcsError
-from fmus.freshness import warn_if_outdated
 from orchestration.fmu.file import Fmu, Port, open_fmu
 from orchestration.ssp.names import is_ssp
 from orchestration.system import System
@@ -62,8 +60,6 @@ def info(
 def _show_component(name: str, as_json: bool) -> None:
     """Print what a component declares, which the component itself is asked for; AdcsError if there is none."""
     component = catalog.find(name)
-    for path in paths(component).values():
-        warn_if_outdated(name, path)
     with ERR.status("asking the component ...") if not as_json else ERR.capture():
         description = describe(name)
     if as_json:

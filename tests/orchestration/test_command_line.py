@@ -131,12 +131,14 @@ def test_usage_errors_are_one_line_and_exit_with_2(capsys, arguments, message):
     assert capsys.readouterr().err == f"adcs: {message}\n"
 
 
-def test_components_that_are_not_built(tmp_path, monkeypatch, capsys):
+def test_components_that_cannot_be_built(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("fmus.paths.DIST", tmp_path)
+    monkeypatch.setattr("fmus.toolchain.is_installed", lambda: False)
     assert adcs("run", "observer-pd", "--out", tmp_path) == 1
-    err = capsys.readouterr().err.strip()
-    assert err.startswith("adcs: FMU 'FixedAxisReference' is not built")
-    assert "`adcs build FixedAxisReference`" in err
+    assert capsys.readouterr().err == (
+        "adcs: FixedAxisReference.fmu is not built, and no compiler is installed to build it: "
+        "pip install 'adcs-fmus[build]'\n"
+    )
 
 
 @pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="looks into /proc to see the loop begin")

@@ -1,10 +1,12 @@
-# make demo   the main job: install, build the FMUs for this machine, run a closed loop, write a report
+# make demo   the main job: install, build the FMUs of a closed loop, run it, write a report
 # make test   the tests
 # Both need only Python 3.11+, make and git: the compiler is a Python package.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# not compiled to bytecode: Python does that to what is used, when it is used
+PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile
 SOURCES_CXX = $(shell git ls-files '*.hpp' '*.cpp' 'orchestration/engine/*.c' 'orchestration/engine/*.h')
 
 .DEFAULT_GOAL := help
@@ -16,18 +18,18 @@ help:
 
 $(VENV)/installed: requirements/run.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed, this is " + sys.version.split()[0] + "; try: make PYTHON=python3.12" if sys.version_info < (3, 11) else 0)'
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/run.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	@echo "installing into $(VENV) ..."
+	@began=$$(date +%s) && $(PYTHON) -m venv $(VENV) && $(PIP) --require-hashes -r requirements/run.lock \
+	    && $(PIP) --no-deps --editable . && echo "installed in $$(($$(date +%s) - began)) s"
 	@touch $@
 
 $(VENV)/installed-dev: $(VENV)/installed requirements/dev.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/dev.lock
+	$(PIP) --require-hashes -r requirements/dev.lock
 	@touch $@
 
 demo: $(VENV)/installed
-	$(BIN)/adcs build
-	$(BIN)/adcs run observer-pd
+	@began=$$(date +%s) && $(BIN)/adcs run observer-pd && echo "built what it needs and ran in $$(($$(date +%s) - began)) s"
+	@$(BIN)/adcs open
 
 test: $(VENV)/installed-dev
 	$(BIN)/adcs build

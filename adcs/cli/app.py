@@ -9,7 +9,22 @@ from importlib import metadata
 
 from cyclopts import CycloptsError, UnknownOptionError
 
-from adcs.cli import bridge, build, check, export, hil, info, linearize, listing, recover, replay, rerun, run, study
+from adcs.cli import (
+    bridge,
+    build,
+    check,
+    export,
+    hil,
+    info,
+    linearize,
+    listing,
+    opening,
+    recover,
+    replay,
+    rerun,
+    run,
+    study,
+)
 from adcs.cli.command import command
 from fmus.errors import AdcsError
 
@@ -24,7 +39,7 @@ RENAMED = {
 app = command("adcs")
 app.help = "Spacecraft attitude control as native FMI components: build them, wire them, run them."
 app.version = metadata.version("adcs-fmus")
-for _part in (build, listing, info, check, run, rerun, recover, export, linearize, hil, study, bridge, replay):
+for _part in (build, listing, info, check, run, opening, rerun, recover, export, linearize, hil, study, bridge, replay):
     app.command(_part.app)
 app.register_install_completion_command(name="--install-completion")
 

@@ -10,11 +10,11 @@ PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-comp
 SOURCES_CXX = $(shell git ls-files '*.hpp' '*.cpp' 'orchestration/engine/*.c' 'orchestration/engine/*.h')
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format fmus check bench attack conformance sanitize fuzz lock clean
+.PHONY: help demo test lint format fmus check bench attack conformance sanitize fuzz lock dist clean
 
 help:
 	@sed -n 's/^# \{0,1\}//p' Makefile | head -3
-	@echo "make lint (needs a C++ compiler) | format | fmus (all platforms; COMPONENTS="RigidBody ..." for some) | check | sanitize, fuzz (need a C++ compiler) | bench | attack | conformance | lock | clean"
+	@echo "make lint (needs a C++ compiler) | format | fmus (all platforms; COMPONENTS="RigidBody ..." for some) | dist | check | sanitize, fuzz (need a C++ compiler) | bench | attack | conformance | lock | clean"
 
 $(VENV)/installed: requirements/run.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed, this is " + sys.version.split()[0] + "; try: make PYTHON=python3.12" if sys.version_info < (3, 11) else 0)'
@@ -37,6 +37,13 @@ test: $(VENV)/installed-dev
 
 fmus: $(VENV)/installed
 	$(BIN)/adcs build --all-platforms $(COMPONENTS)
+
+# A wheel for all platforms, which needs no compiler where it is installed.
+dist: $(VENV)/installed
+	rm -rf build/carried dist
+	$(BIN)/python -m adcs.wheel build/carried
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
+	@ls -l dist
 
 check: $(VENV)/installed
 	$(BIN)/adcs check $(COMPONENTS)
@@ -95,8 +102,8 @@ conformance: $(VENV)/installed-dev
 # Names, versions and hashes of everything that is installed, for all platforms and Python versions.
 lock:
 	$(BIN)/python -m pip install --quiet uv
-	$(BIN)/uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url --quiet -o requirements/run.lock
-	$(BIN)/uv pip compile pyproject.toml --extra test --extra dev --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url --quiet -o requirements/dev.lock
+	$(BIN)/uv pip compile pyproject.toml --extra build --extra mavlink --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url --quiet -o requirements/run.lock
+	$(BIN)/uv pip compile pyproject.toml --extra build --extra mavlink --extra test --extra dev --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url --quiet -o requirements/dev.lock
 
 clean:
-	rm -rf build fmus/dist results
+	rm -rf build dist fmus/dist results

@@ -7,13 +7,15 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from fmus import catalog, freshness
 from fmus.amalgamation import amalgamated
+from fmus.carried import carried_description
 from fmus.catalog import Component
-from fmus.describe import Description, run_describe
+from fmus.describe import Description, described, parse
 from fmus.errors import AdcsError
-from fmus.files import write_atomically
+from fmus.files import digest, write_atomically
 from fmus.lock import Lock
 from fmus.pack import FILE_NAMES, Parts, licences, pack
 from fmus.paths import BUILD, DIST, EIGEN, SOURCES
@@ -56,12 +58,40 @@ def build(
     """
     if isinstance(names, str):
         raise AdcsError(f"names = {names!r}: expected a list, [{names!r}]")
-    zig()  # refused now
     components = [catalog.find(name) for name in names] if names else catalog.components()
+    with _compiled(components, TARGETS if all_platforms else (host(),), work, progress, len(FILE_NAMES)) as (
+        plans,
+        count,
+    ):
+        built = []
+        for plan in plans:
+            for path in plan.pack(dist):
+                count(path.name)
+                built.append(path)
+    if not names:
+        for deleted in freshness.recorded(dist) - set(built):
+            freshness.forget(deleted)
+    return built
+
+
+def parts(
+    work: Path = BUILD, progress: Progress = lambda done, total, what: None
+) -> list[tuple[Component, Parts, dict[str, Any]]]:
+    """Build all components for all platforms; return what their FMUs are packed of, and their descriptions as JSON."""
+    with _compiled(catalog.components(), TARGETS, work, progress) as (plans, _):
+        return [(plan.component, plan.parts(), described(plan.describe_link.output)) for plan in plans]
+
+
+@contextmanager
+def _compiled(
+    components: Sequence[Component], targets: Sequence[Target], work: Path, progress: Progress, more: int = 0
+) -> Iterator[tuple[list[_Plan], Callable[[str], None]]]:
+    """Compile and link what is out of date; yield the plans, and what counts steps, of which `more` follow for each."""
+    zig()  # refused now
     with _alone_in(work):
-        plans = [_Plan(component, TARGETS if all_platforms else (host(),), work) for component in components]
+        plans = [_Plan(component, targets, work) for component in components]
         shared = {s.output for p in plans for s in (*p.headers, *p.compiles)}
-        total = len(shared) + sum(len(p.links) + len(FILE_NAMES) for p in plans)
+        total = len(shared) + sum(len(p.links) + more for p in plans)
         done = 0
 
         def count(what: str) -> None:
@@ -76,27 +106,17 @@ def build(
         run(step for plan in plans for step in plan.headers)
         run(step for plan in plans for step in plan.compiles)
         run(step for plan in plans for step in plan.links)
-        built = []
-        for plan in plans:
-            for path in plan.pack(dist):
-                count(path.name)
-                built.append(path)
-    if not names:
-        for deleted in freshness.recorded(dist) - set(built):
-            freshness.forget(deleted)
-    return built
+        yield plans, count
 
 
 def describe(name: str, work: Path = BUILD) -> Description:
     """What a component declares; builds its describe program if need be. AdcsError if there is no such component."""
     component = catalog.find(name)
-    zig()
-    with _alone_in(work):
-        plan = _Plan(component, (), work)
-        run_steps(plan.headers)
-        run_steps(plan.compiles)
-        run_steps(plan.links)
-        return run_describe(plan.describe_link.output)
+    known = carried_description(component)
+    if known is not None:
+        return known
+    with _compiled([component], (), work, lambda done, total, what: None) as ((plan,), _):
+        return parse(described(plan.describe_link.output))
 
 
 @contextmanager
@@ -159,11 +179,7 @@ class _Plan:
 
     def pack(self, dist: Path) -> Iterator[Path]:
         """Write the FMUs unless they were packed of the same things before; yield their paths."""
-        record = freshness.make_record(
-            {file.relative_to(SOURCES).as_posix(): file for file in self._included() if file.is_relative_to(SOURCES)},
-            tuple(target.name for target in self._binaries),
-            compiler(),
-        )
+        record = freshness.make_record(self._made_of(), (target.name for target in self._binaries), compiler())
         parts: Parts | None = None
         for version, pattern in FILE_NAMES.items():
             path = dist / pattern.format(self.component.name)
@@ -180,11 +196,12 @@ class _Plan:
 
         name, kind = self.component.name, self.component.kind
         return Parts(
-            description=run_describe(self.describe_link.output),
+            description=parse(described(self.describe_link.output)),
             binaries={target: step.output.read_bytes() for target, step in self._binaries.items()},
             sources={version: self._sources(version) for version in FILE_NAMES},
             icons={form: icon.draw(name, kind, form) for form in ("png", "svg")},
             licences=licences(),
+            made_of=self._made_of(),
         )
 
     def _sources(self, fmi_version: str) -> dict[str, bytes]:
@@ -200,10 +217,11 @@ class _Plan:
             **amalgamated([file for file in files if file.is_relative_to(EIGEN)], EIGEN),
         }
 
-    def _included(self) -> set[Path]:
-        return {file for step in (*self.headers, *self.compiles) for file in included_files(step)} | {
-            file for step in self.links for file in step.inputs
-        }
+    def _made_of(self) -> dict[str, str]:
+        """Return the files of `src/` that went into binaries and description, with the digests of their contents."""
+        included = {file for step in (*self.headers, *self.compiles) for file in included_files(step)}
+        files = included | {file for step in self.links for file in step.inputs}
+        return {f.relative_to(SOURCES).as_posix(): digest(f) for f in sorted(files) if f.is_relative_to(SOURCES)}
 
     def _compile_adaptor(self, name: str, target: Target) -> Step:
         return compile_step(SOURCES / "fmi" / f"{name}.cpp", self._object(name, target), target)

@@ -6,9 +6,12 @@ import logging
 from pathlib import Path
 
 from fmus import freshness, paths, toolchain
+from fmus.build import build
+from fmus.carried import carried_parts
 from fmus.catalog import Component, find
 from fmus.errors import AdcsError
-from fmus.pack import FILE_NAMES
+from fmus.files import write_atomically
+from fmus.pack import FILE_NAMES, pack
 
 _log = logging.getLogger("adcs")
 
@@ -34,8 +37,14 @@ def place(component: Component, fmi_version: str) -> Path:
 
 
 def _make(component: Component, why: str) -> None:
-    from fmus.build import build
-
+    parts = carried_parts(component)
+    if parts is not None:
+        record = freshness.make_record(parts.made_of, (target.name for target in parts.binaries), "")
+        for version in FILE_NAMES:
+            path = place(component, version)
+            write_atomically(path, pack(component, parts, version))
+            freshness.keep_record(path, record)
+        return
     if not toolchain.is_installed():
         raise AdcsError(f"{why}, and no compiler is installed to build it: {toolchain.INSTALL}")
     _log.info(f"{why}: building {component.name}")

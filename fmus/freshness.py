@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -35,9 +36,9 @@ class Record:
         return replace(self, fmu="")
 
 
-def make_record(sources: dict[str, Path], platforms: tuple[str, ...], compiler: str) -> Record:
-    """Return the record of an FMU that is made now of these files, named by their paths in `src/`."""
-    return Record({name: digest(path) for name, path in sorted(sources.items())}, _packer(), compiler, platforms)
+def make_record(sources: Mapping[str, str], platforms: Iterable[str], compiler: str) -> Record:
+    """Return the record of an FMU that is packed now."""
+    return Record(dict(sources), _packer(), compiler, tuple(platforms))
 
 
 def keep_record(fmu: Path, record: Record) -> None:

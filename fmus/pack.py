@@ -47,6 +47,8 @@ class Parts:
     """`png` and `svg`."""
     licences: Mapping[str, str]
     """Of what is compiled in, by the names of their files."""
+    made_of: Mapping[str, str]
+    """The files of `src/` that all this was made of, and the digests of their contents."""
 
 
 def pack(component: Component, parts: Parts, fmi_version: str) -> bytes:

@@ -11,6 +11,7 @@ from rich.table import Table
 from adcs.cli.command import command
 from adcs.cli.printing import ERR, OUT, Json, print_json
 from fmus.build import build
+from fmus.toolchain import zig
 
 app = command("build", "adcs build", "adcs build RigidBody PdTracking", "adcs build --all-platforms")
 
@@ -22,6 +23,7 @@ def build_command(
     as_json: Json = False,
 ) -> None:
     """Build FMUs, for FMI 2.0 and 3.0; what is up to date stays."""
+    zig()  # refused before a bar is drawn
     columns = (TextColumn("{task.description:<44}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=ERR, transient=True, disable=as_json) as bar:
         task = bar.add_task("compiling", total=None)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args
@@ -249,6 +250,11 @@ def _plotly_guide_label(panel: Panel, guide: Guide) -> dict[str, Any]:
         else {"x": 1, "xref": "paper", "y": value, "xanchor": "right", "yanchor": "bottom"}
     )
     return {**place, "text": guide.label, "showarrow": False, "font": {"size": 11, "color": GUIDE_COLOR}}
+
+
+def can_draw() -> bool:
+    """Whether there is what draws pictures: Matplotlib, which the extra `plot` brings."""
+    return find_spec("matplotlib") is not None
 
 
 def write_png(path: str | Path, panels: Sequence[Panel], title: str = "", columns: int = 2) -> None:

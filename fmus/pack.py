@@ -60,7 +60,7 @@ def pack(component: Component, parts: Parts, fmi_version: str) -> bytes:
         "modelDescription.xml": xml,
         **({"model.png": icons["png"]} if fmi_version == "2.0" else {}),
         "documentation/index.html": documentation.page(component, description).encode(),
-        **{f"documentation/licenses/{name}": text.encode() for name, text in parts.licences.items()},
+        **{f"documentation/licenses/{name}": text.encode() for name, text in sorted(parts.licences.items())},
         "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(description, fmi_version),
         "terminalsAndIcons/icon.png": icons["png"],
         "terminalsAndIcons/icon.svg": icons["svg"],

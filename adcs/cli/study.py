@@ -95,7 +95,7 @@ def with_changes(choices: Any, changes: Sequence[str]) -> Any:
 
 
 def write_files(folder: Path, entry: StudyEntry, outcome: Outcome, manifest: dict[str, Any], command: str) -> Path:
-    """Write `index.html`, `rows.csv`, `rows.json` and, if Matplotlib is installed, one PNG per group; returns the page."""
+    """Write `index.html`, `rows.csv`, `rows.json` and, if Matplotlib is there, a PNG per group; return the page."""
     folder.mkdir(parents=True, exist_ok=True)
     write_csv(folder / "rows.csv", outcome.rows)
     (folder / "rows.json").write_text(as_json(outcome.rows) + "\n", encoding="utf-8")

@@ -91,7 +91,7 @@ def test_a_name_that_is_no_system_is_told_alike(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     told = str(invoke(app, [command, "observr-pd"]).exception)
     assert told.startswith("no system 'observr-pd': did you mean observer-pd or ")
-    assert told.endswith(", or give a built component (`adcs list`), an .ssp or .fmu file")
+    assert told.endswith(", or give a component (`adcs list`), an .ssp or .fmu file")
 
 
 @pytest.mark.parametrize(("command", "option"), [(c, option) for c, options in TIMES.items() for option in options])

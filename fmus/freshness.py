@@ -7,7 +7,7 @@ import json
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from fmus.files import digest, write_atomically
@@ -49,12 +49,18 @@ def keep_record(fmu: Path, record: Record) -> None:
 
 def read_record(fmu: Path) -> Record | None:
     """Return the record of an FMU; None if it has none, or is another file than the one that the record is of."""
+    place = _place(fmu)
+    record = _read(place, digest(place))
+    return record if record is not None and record.fmu == digest(fmu) else None
+
+
+@lru_cache(maxsize=256)
+def _read(place: Path, _digest: str) -> Record | None:
     try:
-        known = json.loads(_place(fmu).read_bytes())
-        record = Record(**{**known, "platforms": tuple(known["platforms"])})
+        known = json.loads(place.read_bytes())
+        return Record(**{**known, "platforms": tuple(known["platforms"])})
     except (OSError, ValueError, TypeError, KeyError):
         return None
-    return record if record.fmu == digest(fmu) else None
 
 
 def recorded(dist: Path) -> set[Path]:
@@ -78,7 +84,7 @@ def outdated(fmu: Path, platform: str, compiler: str = "") -> str | None:
     record = read_record(fmu)
     if record is None:
         return "is not as it was built"
-    changed = [name for name, known in record.sources.items() if digest(SOURCES / name) != known]
+    changed = [name for name, known in record.sources.items() if digest(f"{SOURCES}/{name}") != known]
     if changed:
         first = min(changed, key=lambda name: (name.startswith("fmi/"), name))
         more = f" (and {len(changed) - 1} more)" if len(changed) > 1 else ""

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
+from functools import cache
 from importlib import metadata, util
 from pathlib import Path
 
@@ -74,8 +75,11 @@ def zig() -> Path:
 
 def compiler() -> str:
     """What compiles, and what it compiles in, with versions; empty if it is not installed."""
-    if not is_installed():
-        return ""
+    return _versions() if is_installed() else ""
+
+
+@cache
+def _versions() -> str:
     packages = {"zig": "ziglang", "Eigen": "cmeel-eigen", "fmpy": "fmpy"}  # the last has the FMI headers
     return ", ".join(f"{name} {metadata.version(package)}" for name, package in packages.items())
 

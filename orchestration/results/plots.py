@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fmus.errors import AdcsError
 from orchestration.fmu.file import element_names
 from orchestration.process.writing import replacing
 
@@ -266,6 +267,8 @@ def write_png(path: str | Path, panels: Sequence[Panel], title: str = "", column
 
 def make_figure(panels: Sequence[Panel], title: str = "", columns: int = 2) -> Figure:
     """All panels in one figure of Matplotlib, row by row in a grid; it shows itself in a notebook."""
+    if not can_draw():
+        raise AdcsError("pictures are drawn by Matplotlib, which is not installed: pip install 'adcs-fmus[plot]'")
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # not at the top: takes most of a second to load
     from matplotlib.figure import Figure
 

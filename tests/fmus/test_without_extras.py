@@ -5,6 +5,7 @@ import importlib
 import pytest
 
 import fmus
+from adcs import AdcsError
 from adcs.cli.app import main
 from orchestration.results import plots
 
@@ -30,3 +31,5 @@ def test_without_matplotlib_there_is_no_picture(monkeypatch):
     assert plots.can_draw()
     monkeypatch.setattr(plots, "find_spec", lambda name: None)
     assert not plots.can_draw()
+    with pytest.raises(AdcsError, match=r"Matplotlib, which is not installed: pip install 'adcs-fmus\[plot\]'$"):
+        plots.make_figure([])

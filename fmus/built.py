@@ -20,7 +20,7 @@ def all_built() -> list[Path]:
     """Every FMU that is built, anew if need be; AdcsError if there is none."""
     found = [fmu_path(component.name, version) for component in catalog.components() for version in built(component)]
     if not found:
-        raise AdcsError("no FMU is built yet: name a component, or run: adcs build")
+        raise AdcsError("no FMU is built yet: name a component, as in: adcs check RigidBody")
     return found
 
 

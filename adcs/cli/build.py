@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -11,7 +13,9 @@ from rich.table import Table
 from adcs.cli.command import command
 from adcs.cli.printing import ERR, OUT, Json, print_json
 from fmus.build import build
-from fmus.toolchain import zig
+from fmus.built import fmus_of
+from fmus.catalog import components
+from fmus.toolchain import is_installed
 
 app = command("build", "adcs build", "adcs build RigidBody PdTracking", "adcs build --all-platforms")
 
@@ -23,15 +27,7 @@ def build_command(
     as_json: Json = False,
 ) -> None:
     """Build FMUs, for FMI 2.0 and 3.0; what is up to date stays."""
-    zig()  # refused before a bar is drawn
-    columns = (TextColumn("{task.description:<44}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=ERR, transient=True, disable=as_json) as bar:
-        task = bar.add_task("compiling", total=None)
-
-        def show(done: int, total: int, what: str) -> None:
-            bar.update(task, completed=done, total=total, description=what)
-
-        built = build(list(names) or None, all_platforms, show)
+    built = _built(list(names), all_platforms, as_json) if is_installed() else _ready(names)
     if as_json:
         print_json([{"path": str(path), "bytes": path.stat().st_size} for path in built])
         return
@@ -39,3 +35,19 @@ def build_command(
     for path in built:
         table.add_row(path.name, f"{path.stat().st_size / 1e3:.0f} kB")
     OUT.print(table)
+
+
+def _built(names: list[str], all_platforms: bool, quiet: bool) -> list[Path]:
+    columns = (TextColumn("{task.description:<44}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=ERR, transient=True, disable=quiet) as bar:
+        task = bar.add_task("compiling", total=None)
+
+        def show(done: int, total: int, what: str) -> None:
+            bar.update(task, completed=done, total=total, description=what)
+
+        return build(names or None, all_platforms, show)
+
+
+def _ready(names: Sequence[str]) -> list[Path]:
+    """Return the FMUs, as far as no compiler is needed for them: those that are up to date, and those of a wheel."""
+    return [fmu for name in names or [c.name for c in components()] for fmu in fmus_of(name)]

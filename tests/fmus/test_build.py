@@ -6,7 +6,7 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 import fmus
-from adcs import AdcsError
+from adcs import AdcsError, System
 from fmus.paths import BUILD, CHECKOUT
 from fmus.toolchain import compile_step, host, run_steps
 
@@ -118,6 +118,12 @@ def test_what_is_not_built_is_built_when_it_is_asked_for(tmp_path, monkeypatch):
     path = fmus.fmu_path("StarTracker", "3.0")
     assert validate_fmu(str(path)) == []
     assert path.parent == tmp_path
+
+
+def test_a_system_builds_only_the_components_that_it_has(tmp_path, monkeypatch):
+    monkeypatch.setattr("fmus.paths.DIST", tmp_path)
+    System("s").add("plant", "RigidBody")
+    assert sorted(path.name for path in tmp_path.glob("*.fmu")) == ["RigidBody.fmi3.fmu", "RigidBody.fmu"]
 
 
 def test_the_fmu_of_a_deleted_component_is_removed_when_all_are_built(tmp_path, monkeypatch):

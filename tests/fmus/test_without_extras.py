@@ -19,12 +19,25 @@ def test_without_lief_the_other_checks_are_made(built, monkeypatch):
     )
 
 
-def test_without_a_compiler_build_says_what_to_install(monkeypatch, capsys):
-    monkeypatch.setattr("fmus.toolchain.is_installed", lambda: False)
+def test_without_a_compiler_build_says_what_to_install(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr("fmus.paths.DIST", tmp_path)
+    for module in ("fmus.toolchain", "adcs.cli.build"):
+        monkeypatch.setattr(importlib.import_module(module), "is_installed", lambda: False)
     monkeypatch.setattr("sys.argv", ["adcs", "build", "RigidBody"])
     with pytest.raises(SystemExit, match="1"):
         main()
-    assert capsys.readouterr().err == "adcs: no compiler is installed: pip install 'adcs-fmus[build]'\n"
+    assert capsys.readouterr().err == (
+        "adcs: RigidBody.fmu is not built, and no compiler is installed to build it: pip install 'adcs-fmus[build]'\n"
+    )
+
+
+def test_without_a_compiler_build_shows_what_is_there(monkeypatch, capsys):
+    there = fmus.fmu_path("RigidBody")
+    for module in ("fmus.toolchain", "adcs.cli.build"):
+        monkeypatch.setattr(importlib.import_module(module), "is_installed", lambda: False)
+    monkeypatch.setattr("sys.argv", ["adcs", "build", "RigidBody", "--json"])
+    main()
+    assert str(there) in capsys.readouterr().out
 
 
 def test_without_matplotlib_there_is_no_picture(monkeypatch):

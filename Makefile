@@ -10,11 +10,11 @@ PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-comp
 SOURCES_CXX = $(shell git ls-files '*.hpp' '*.cpp' 'orchestration/engine/*.c' 'orchestration/engine/*.h')
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format fmus check bench attack conformance sanitize fuzz lock dist installed clean
+.PHONY: help demo test lint format fmus check bench attack conformance sanitize fuzz lock dist release installed clean
 
 help:
 	@sed -n 's/^# \{0,1\}//p' Makefile | head -3
-	@echo "make lint (needs a C++ compiler) | format | fmus (all platforms; COMPONENTS="RigidBody ..." for some) | dist | installed | check | sanitize, fuzz (need a C++ compiler) | bench | attack | conformance | lock | clean"
+	@echo "make lint (needs a C++ compiler) | format | fmus (all platforms; COMPONENTS="RigidBody ..." for some) | dist | installed | release | check | sanitize, fuzz (need a C++ compiler) | bench | attack | conformance | lock | clean"
 
 $(VENV)/installed: requirements/run.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed, this is " + sys.version.split()[0] + "; try: make PYTHON=python3.12" if sys.version_info < (3, 11) else 0)'
@@ -44,6 +44,12 @@ dist: $(VENV)/installed
 	$(BIN)/python -m adcs.wheel build/carried
 	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
 	@ls -l dist
+
+# What a person could publish, in dist/: the wheel, the sdist, all FMUs, a bill of materials (CycloneDX), checksums.
+release: $(VENV)/installed-dev dist
+	$(BIN)/python -m build --sdist --outdir dist . >/dev/null
+	$(BIN)/cyclonedx-py requirements requirements/run.lock --pyproject pyproject.toml --mc-type library --output-reproducible -o dist/bill-of-materials.cdx.json
+	$(BIN)/python -m adcs.release dist
 
 # That wheel in an environment of its own, without a compiler and out of reach of this folder; prints sizes and times.
 installed: $(VENV)/installed-dev dist

@@ -68,7 +68,7 @@ def pack(component: Component, parts: Parts, fmi_version: str) -> bytes:
         **{f"sources/{name}": content for name, content in sorted(sources.items())},
         **_binaries(component.name, fmi_version, parts.binaries),
     }
-    return _zipped(files)
+    return zipped(files)
 
 
 def _binaries(name: str, fmi_version: str, binaries: Mapping[Target, bytes]) -> dict[str, bytes]:
@@ -111,7 +111,7 @@ def licences() -> dict[str, str]:
     }
 
 
-def _zipped(files: Mapping[str, bytes]) -> bytes:
+def zipped(files: Mapping[str, bytes]) -> bytes:
     """A ZIP archive that only depends on the files' names and contents."""
     epoch = int(os.environ.get("SOURCE_DATE_EPOCH", 315532800))  # ZIP knows no time before 1980
     buffer = io.BytesIO()

@@ -27,7 +27,7 @@ _TOKEN = re.compile(
 _BREAK = "\0"  # of a line inside a token
 _NOTICE = re.compile(r"copyright|licen[cs]e", re.IGNORECASE)
 _INCLUDE = re.compile(r'^#[ ]?include[ ]?"([^"\n]+)".*\n', re.MULTILINE)
-_GUARD = re.compile(r"#[ ]?ifndef (\w+)\n#[ ]?define (\w+)\b")
+_GUARD = re.compile(r"(?:(?://.*|/\*(?s:.*?)\*/)\s*)*#[ ]?ifndef (\w+)\n#[ ]?define \1\b")  # after a notice
 
 
 def amalgamated(files: Collection[Path], base: Path) -> dict[str, bytes]:
@@ -66,8 +66,7 @@ def _alone(file: Path, parts: frozenset[Path], everything: frozenset[Path]) -> b
 
     def expanded(part: Path) -> str:
         code = _stripped(part)
-        guard = _GUARD.search(code)
-        if guard is not None and guard[1] == guard[2]:  # others are meant to be there each time
+        if _GUARD.match(code):  # others are meant to be there each time
             done.add(part)
         return _INCLUDE.sub(lambda include: content(include, _named(part, include)), code)
 

@@ -59,10 +59,8 @@ def build(
     if isinstance(names, str):
         raise AdcsError(f"names = {names!r}: expected a list, [{names!r}]")
     components = [catalog.find(name) for name in names] if names else catalog.components()
-    with _compiled(components, TARGETS if all_platforms else (host(),), work, progress, len(FILE_NAMES)) as (
-        plans,
-        count,
-    ):
+    targets = TARGETS if all_platforms else (host(),)
+    with _compiled(components, targets, work, progress, len(FILE_NAMES)) as (plans, count):
         built = []
         for plan in plans:
             for path in plan.pack(dist):

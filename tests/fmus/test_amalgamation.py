@@ -41,7 +41,7 @@ def test_each_header_goes_where_it_is_included(tmp_path):
         "Lib/More": '#include "Core"\n#include "src/plain.h"\n#include "src/plain.h"\n#include "src/twice.h"\n',
         "Lib/src/a.h": '#ifndef A_H\n#define A_H\n#  include "../src/b.h"\nint a;\n#endif\n',
         "Lib/src/b.h": '#ifndef B_H\n#define B_H\n#include "a.h"\nint b;\n#endif\n',
-        "Lib/src/plain.h": "int again();\n",
+        "Lib/src/plain.h": "int again();\n#ifndef SIZE\n#define SIZE 3\n#endif\n",
         "Lib/src/twice.h": '#ifndef SECOND\n#define SECOND\n#include "twice.h"\n#endif\n',
     }
     for name, code in files.items():
@@ -49,10 +49,11 @@ def test_each_header_goes_where_it_is_included(tmp_path):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(code)
     made = amalgamated([tmp_path / name for name in files], tmp_path)
+    plain = files["Lib/src/plain.h"]
     assert {name: content.decode() for name, content in made.items()} == {
         "Lib/Core": "#include <cmath>\n#ifndef A_H\n#define A_H\n#ifndef B_H\n#define B_H\nint b;\n#endif\n"
         'int a;\n#endif\n#include "src/off.h"\n',
-        "Lib/More": '#include "Core"\nint again();\nint again();\n#include "src/twice.h"\n',
+        "Lib/More": f'#include "Core"\n{2 * plain}#include "src/twice.h"\n',
         "Lib/src/twice.h": files["Lib/src/twice.h"],
     }
 

@@ -1,33 +1,35 @@
-# make demo   the main job: install, build the FMUs for this machine, run a closed loop, write a report
+# make demo   the main job: install, build the FMUs of a closed loop, run it, write a report
 # make test   the tests
 # Both need only Python 3.11+, make and git: the compiler is a Python package.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# not compiled to bytecode: Python does that to what is used, when it is used
+PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile
 SOURCES_CXX = $(shell git ls-files '*.hpp' '*.cpp' 'orchestration/engine/*.c' 'orchestration/engine/*.h')
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format fmus check bench attack conformance sanitize fuzz lock clean
+.PHONY: help demo test lint format fmus check bench attack conformance sanitize fuzz lock dist release installed clean
 
 help:
 	@sed -n 's/^# \{0,1\}//p' Makefile | head -3
-	@echo "make lint (needs a C++ compiler) | format | fmus (all platforms; COMPONENTS="RigidBody ..." for some) | check | sanitize, fuzz (need a C++ compiler) | bench | attack | conformance | lock | clean"
+	@echo "make lint (needs a C++ compiler) | format | fmus (all platforms; COMPONENTS="RigidBody ..." for some) | dist | installed | release | check | sanitize, fuzz (need a C++ compiler) | bench | attack | conformance | lock | clean"
 
 $(VENV)/installed: requirements/run.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed, this is " + sys.version.split()[0] + "; try: make PYTHON=python3.12" if sys.version_info < (3, 11) else 0)'
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/run.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	@echo "installing into $(VENV) ..."
+	@began=$$(date +%s) && $(PYTHON) -m venv $(VENV) && $(PIP) --require-hashes -r requirements/run.lock \
+	    && $(PIP) --no-deps --editable . && echo "installed in $$(($$(date +%s) - began)) s"
 	@touch $@
 
 $(VENV)/installed-dev: $(VENV)/installed requirements/dev.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/dev.lock
+	$(PIP) --require-hashes -r requirements/dev.lock
 	@touch $@
 
 demo: $(VENV)/installed
-	$(BIN)/adcs build
-	$(BIN)/adcs run observer-pd
+	@began=$$(date +%s) && $(BIN)/adcs run observer-pd && echo "built what it needs and ran in $$(($$(date +%s) - began)) s"
+	@$(BIN)/adcs open
 
 test: $(VENV)/installed-dev
 	$(BIN)/adcs build
@@ -35,6 +37,23 @@ test: $(VENV)/installed-dev
 
 fmus: $(VENV)/installed
 	$(BIN)/adcs build --all-platforms $(COMPONENTS)
+
+# A wheel for all platforms, which needs no compiler where it is installed.
+dist: $(VENV)/installed
+	rm -rf build/carried dist
+	$(BIN)/python -m adcs.wheel build/carried
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
+	@ls -l dist
+
+# What a person could publish, in dist/: the wheel, the sdist, all FMUs, a bill of materials (CycloneDX), checksums.
+release: $(VENV)/installed-dev dist
+	$(BIN)/python -m build --sdist --outdir dist . >/dev/null
+	$(BIN)/cyclonedx-py requirements requirements/run.lock --pyproject pyproject.toml --mc-type library --output-reproducible -o dist/bill-of-materials.cdx.json
+	$(BIN)/python -m adcs.release dist
+
+# That wheel in an environment of its own, without a compiler and out of reach of this folder; prints sizes and times.
+installed: $(VENV)/installed-dev dist
+	ADCS_WHEEL=$$(ls dist/*.whl) $(BIN)/python -m pytest -q -s tests/installed
 
 check: $(VENV)/installed
 	$(BIN)/adcs check $(COMPONENTS)
@@ -93,8 +112,8 @@ conformance: $(VENV)/installed-dev
 # Names, versions and hashes of everything that is installed, for all platforms and Python versions.
 lock:
 	$(BIN)/python -m pip install --quiet uv
-	$(BIN)/uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url --quiet -o requirements/run.lock
-	$(BIN)/uv pip compile pyproject.toml --extra test --extra dev --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url --quiet -o requirements/dev.lock
+	$(BIN)/uv pip compile pyproject.toml --extra build --extra mavlink --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url --quiet -o requirements/run.lock
+	$(BIN)/uv pip compile pyproject.toml --extra build --extra mavlink --extra test --extra dev --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url --quiet -o requirements/dev.lock
 
 clean:
-	rm -rf build fmus/dist results
+	rm -rf build dist fmus/dist results

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from adcs import library
 from adcs.library.entry import StudyEntry
-from fmus import catalog, paths
+from fmus import catalog
 from fmus.built import fmus_of
 from fmus.catalog import Component
 from fmus.errors import AdcsError, shown
@@ -71,10 +71,10 @@ def find_system(name: str) -> SystemEntry:
     if is_file(name):
         return system_from_file(name)
     if name not in SYSTEMS:
-        built = sorted({path.name.partition(".")[0] for path in paths.DIST.glob("*.fmu")})
-        if name in built:
+        components = [component.name for component in catalog.components()]
+        if name in components:
             return component_alone(name)
-        meant = close(name, [*SYSTEMS, *built])
+        meant = close(name, [*SYSTEMS, *components])
         hint = f"did you mean {meant}? " if meant else ""
         raise AdcsError(f"no system {shown(repr(name))}: {hint}{_WAY_OUT}")
     return SYSTEMS[name]

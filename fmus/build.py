@@ -1,30 +1,40 @@
 """Builds the FMUs: compile and link what changed, ask the components what they are, pack."""
 
-import hashlib
-import os
-from collections.abc import Callable, Iterable, Sequence
-from pathlib import Path
+from __future__ import annotations
 
-from fmus import catalog
+import logging
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from fmus import catalog, freshness
+from fmus.amalgamation import amalgamated
+from fmus.carried import carried_description
 from fmus.catalog import Component
-from fmus.describe import Description, run_describe
+from fmus.describe import Description, described, parse
 from fmus.errors import AdcsError
-from fmus.pack import FILE_NAMES, pack
-from fmus.paths import BUILD, DIST, EIGEN, LICENSE, PACKAGE, SOURCES
+from fmus.files import digest, write_atomically
+from fmus.lock import Lock
+from fmus.pack import FILE_NAMES, Parts, licences, pack
+from fmus.paths import BUILD, DIST, EIGEN, SOURCES
 from fmus.toolchain import (
     TARGETS,
     Step,
     Target,
     compile_step,
-    digest,
+    compiler,
     header_step,
     host,
     included_files,
     link_step,
     program_step,
     run_steps,
-    write_atomically,
+    zig,
 )
+
+_log = logging.getLogger("adcs")
 
 Progress = Callable[[int, int, str], None]
 """Called with the number of steps done, of all steps, and the name of what was done."""
@@ -43,45 +53,85 @@ def build(
     """Builds `NAME.fmu` and `NAME.fmi3.fmu` of the named components, of all by default.
 
     They contain a binary for this machine, or for all platforms. What is up to date stays. Returns the FMUs' paths;
-    AdcsError if a name is unknown or the compiler refuses something.
+    AdcsError if a name is unknown or the compiler refuses something. The FMUs of components that are gone are removed
+    where all are built. Processes that build in the same place take turns.
     """
     if isinstance(names, str):
         raise AdcsError(f"names = {names!r}: expected a list, [{names!r}]")
     components = [catalog.find(name) for name in names] if names else catalog.components()
-    plans = [_Plan(component, TARGETS if all_platforms else (host(),), work) for component in components]
-    shared = {s.output for p in plans for s in (*p.headers, *p.compiles)}
-    total = len(shared) + sum(len(p.links) + len(FILE_NAMES) for p in plans)
-    done = 0
-
-    def count(what: str) -> None:
-        nonlocal done
-        done += 1
-        progress(done, total, what)
-
-    def run(steps: Iterable[Step]) -> None:
-        unique = {step.output: step for step in steps}.values()
-        run_steps(unique, lambda step: count(step.output.relative_to(work).as_posix()))
-
-    run(step for plan in plans for step in plan.headers)
-    run(step for plan in plans for step in plan.compiles)
-    run(step for plan in plans for step in plan.links)
-    built = []
-    for plan in plans:
-        for fmi_version, pattern in FILE_NAMES.items():
-            path = dist / pattern.format(plan.component.name)
-            plan.pack(fmi_version, path)
-            count(path.name)
-            built.append(path)
+    targets = TARGETS if all_platforms else (host(),)
+    with _compiled(components, targets, work, progress, len(FILE_NAMES)) as (plans, count):
+        built = []
+        for plan in plans:
+            for path in plan.pack(dist):
+                count(path.name)
+                built.append(path)
+    if not names:
+        for deleted in freshness.recorded(dist) - set(built):
+            freshness.forget(deleted)
     return built
+
+
+def parts(
+    work: Path = BUILD, progress: Progress = lambda done, total, what: None
+) -> list[tuple[Component, Parts, dict[str, Any]]]:
+    """Build all components for all platforms; return what their FMUs are packed of, and their descriptions as JSON."""
+    with _compiled(catalog.components(), TARGETS, work, progress) as (plans, _):
+        return [(plan.component, plan.parts(), described(plan.describe_link.output)) for plan in plans]
+
+
+@contextmanager
+def _compiled(
+    components: Sequence[Component], targets: Sequence[Target], work: Path, progress: Progress, more: int = 0
+) -> Iterator[tuple[list[_Plan], Callable[[str], None]]]:
+    """Compile and link what is out of date; yield the plans, and what counts steps, of which `more` follow for each."""
+    zig()  # refused now
+    with _alone_in(work):
+        plans = [_Plan(component, targets, work) for component in components]
+        shared = {s.output for p in plans for s in (*p.headers, *p.compiles)}
+        total = len(shared) + sum(len(p.links) + more for p in plans)
+        done = 0
+
+        def count(what: str) -> None:
+            nonlocal done
+            done += 1
+            progress(done, total, what)
+
+        def run(steps: Iterable[Step]) -> None:
+            unique = {step.output: step for step in steps}.values()
+            run_steps(unique, lambda step: count(step.output.relative_to(work).as_posix()))
+
+        run(step for plan in plans for step in plan.headers)
+        run(step for plan in plans for step in plan.compiles)
+        run(step for plan in plans for step in plan.links)
+        yield plans, count
 
 
 def describe(name: str, work: Path = BUILD) -> Description:
     """What a component declares; builds its describe program if need be. AdcsError if there is no such component."""
-    plan = _Plan(catalog.find(name), (), work)
-    run_steps(plan.headers)
-    run_steps(plan.compiles)
-    run_steps(plan.links)
-    return run_describe(plan.describe_link.output)
+    component = catalog.find(name)
+    known = carried_description(component)
+    if known is not None:
+        return known
+    with _compiled([component], (), work, lambda done, total, what: None) as ((plan,), _):
+        return parse(described(plan.describe_link.output))
+
+
+@contextmanager
+def _alone_in(work: Path) -> Iterator[None]:
+    """Let no other process build there meanwhile: what it made is up to date then."""
+    work.mkdir(parents=True, exist_ok=True)
+    lock = Lock(work / ".building")
+    told = False
+    while not lock.take():
+        if not told:
+            _log.info(f"waiting for process {lock.holder}, which builds in {work}")
+            told = True
+        time.sleep(0.05)
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 class _Plan:
@@ -125,32 +175,51 @@ class _Plan:
         self.compiles = [*describe, *self._adaptor.values(), *self._models.values()]
         self.links = [self.describe_link, *self._binaries.values()]
 
-    def pack(self, fmi_version: str, path: Path) -> None:
-        """Writes the FMU unless it was packed from the same things before."""
+    def pack(self, dist: Path) -> Iterator[Path]:
+        """Write the FMUs unless they were packed of the same things before; yield their paths."""
+        record = freshness.make_record(self._made_of(), (target.name for target in self._binaries), compiler())
+        parts: Parts | None = None
+        for version, pattern in FILE_NAMES.items():
+            path = dist / pattern.format(self.component.name)
+            known = freshness.read_record(path)
+            if known is None or known.without_fmu() != record:
+                parts = parts or self.parts()
+                write_atomically(path, pack(self.component, parts, version))
+                freshness.keep_record(path, record)
+            yield path
+
+    def parts(self) -> Parts:
+        """Return what the FMUs are packed of."""
+        from fmus import icon  # not at the top: matplotlib takes a second to load
+
+        name, kind = self.component.name, self.component.kind
+        return Parts(
+            description=parse(described(self.describe_link.output)),
+            binaries={target: step.output.read_bytes() for target, step in self._binaries.items()},
+            sources={version: self._sources(version) for version in FILE_NAMES},
+            icons={form: icon.draw(name, kind, form) for form in ("png", "svg")},
+            licences=licences(),
+            made_of=self._made_of(),
+        )
+
+    def _sources(self, fmi_version: str) -> dict[str, bytes]:
+        """Return what goes into `sources/` by its name there: the project's own files as they are, Eigen's in few."""
         skipped = "fmi3" if fmi_version == "2.0" else "fmi2"  # a tool that compiles it has the headers of one version
         first = next(iter(self._models))
-        adaptor = {s: self._adaptor[first, s] for s in ADAPTOR if s != skipped}
-        sources = {
-            _name_in_sources(file, self._model): file
-            for step in (self._models[first], *adaptor.values())
-            for file in included_files(step)
-            if file.is_relative_to(EIGEN) or file.is_relative_to(SOURCES) or file == self._model
+        steps = [self._models[first], *(self._adaptor[first, s] for s in ADAPTOR if s != skipped)]
+        files = dict.fromkeys(file for step in steps for file in (*step.inputs, *included_files(step)))
+        own = [file for file in files if file.is_relative_to(SOURCES)]
+        return {
+            self._model.name: self._model.read_bytes(),
+            **{file.relative_to(SOURCES).as_posix(): file.read_bytes() for file in own},
+            **amalgamated([file for file in files if file.is_relative_to(EIGEN)], EIGEN),
         }
-        binaries = {target: step.output for target, step in self._binaries.items()}
-        package = [file for pattern in ("*.py", "templates/*", "licenses/*") for file in sorted(PACKAGE.glob(pattern))]
-        parts = [*binaries.values(), self.describe_link.output, *sources.values(), *package, LICENSE]
-        key = [fmi_version, os.environ.get("SOURCE_DATE_EPOCH", ""), *sources, *map(digest, parts)]
-        record = self._work / "packed" / f"{path.name}.txt"
 
-        def state() -> str:
-            return hashlib.sha256("\n".join([*key, digest(path)]).encode()).hexdigest()
-
-        if path.is_file() and record.is_file() and record.read_text(encoding="utf-8") == state():
-            return
-        description = run_describe(self.describe_link.output)
-        compiled = ["model.cpp", *(f"fmi/{s}.cpp" for s in adaptor)]
-        write_atomically(path, pack(self.component, description, fmi_version, binaries, sources, compiled))
-        write_atomically(record, state().encode())
+    def _made_of(self) -> dict[str, str]:
+        """Return the files of `src/` that went into binaries and description, with the digests of their contents."""
+        included = {file for step in (*self.headers, *self.compiles) for file in included_files(step)}
+        files = included | {file for step in self.links for file in step.inputs}
+        return {f.relative_to(SOURCES).as_posix(): digest(f) for f in sorted(files) if f.is_relative_to(SOURCES)}
 
     def _compile_adaptor(self, name: str, target: Target) -> Step:
         return compile_step(SOURCES / "fmi" / f"{name}.cpp", self._object(name, target), target)
@@ -161,10 +230,3 @@ class _Plan:
 
     def _object(self, name: str, target: Target) -> Path:
         return self._work / "objects" / target.name / f"{name}.o"
-
-
-def _name_in_sources(file: Path, model: Path) -> str:
-    if file == model:
-        return model.name
-    base = EIGEN if file.is_relative_to(EIGEN) else SOURCES
-    return file.relative_to(base).as_posix()

@@ -1,35 +1,29 @@
-"""Which FMUs of the components are built, and where they are."""
+"""Which FMUs of the components are built, and those of a name."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 
 from fmus import catalog
 from fmus.catalog import Component
+from fmus.demand import fmu_path, place
 from fmus.errors import Failed
 from fmus.pack import FILE_NAMES
-from fmus.paths import DIST
 
 
-def paths(component: Component) -> dict[str, Path]:
-    """FMI version -> where the FMU is if it is built."""
-    return {version: DIST / pattern.format(component.name) for version, pattern in FILE_NAMES.items()}
+def built(component: Component) -> dict[str, Path]:
+    """FMI version -> the FMU, of those that are built."""
+    return {version: path for version in FILE_NAMES if (path := place(component, version)).is_file()}
 
 
 def all_built() -> list[Path]:
-    """Every FMU that is built; AdcsError if there is none."""
-    return _existing(path for component in catalog.components() for path in paths(component).values())
+    """Every FMU that is built, anew if need be; AdcsError if there is none."""
+    found = [fmu_path(component.name, version) for component in catalog.components() for version in built(component)]
+    if not found:
+        raise Failed("no FMU is built yet: name a component, as in: adcs check RigidBody")
+    return found
 
 
 def fmus_of(component: Component) -> list[Path]:
-    """Return the FMUs of a component; AdcsError if there is none."""
-    return _existing(paths(component).values())
-
-
-def _existing(wanted: Iterable[Path]) -> list[Path]:
-    wanted = list(wanted)
-    existing = [path for path in wanted if path.is_file()]
-    if not existing:
-        raise Failed(f"{wanted[0].name} is not built: run: adcs build")
-    return existing
+    """Return the FMUs of a component, built if need be; AdcsError if they cannot be."""
+    return [fmu_path(component.name, version) for version in FILE_NAMES]

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from fmus.errors import AdcsError
@@ -47,16 +48,17 @@ class Component:
 
 def components() -> list[Component]:
     """All components, in the order of `KINDS`, then by name."""
-    return [
-        component
-        for folder, kind in KINDS.items()
-        for header in sorted((SOURCES / folder).glob("*.hpp"))
-        if (component := _read(header, kind))
-    ]
+    headers = ((header, kind) for folder, kind in KINDS.items() for header in sorted((SOURCES / folder).glob("*.hpp")))
+    return [component for header, kind in headers if (component := _component(header, kind))]
 
 
 def find(name: str, others: Iterable[str] = ()) -> Component:
     """The component called `name`; AdcsError if there is none, which one of the `others` may have been meant by."""
+    file = re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower() + ".hpp"
+    for folder, kind in KINDS.items():  # where it should be; reading all of them takes a hundred times as long
+        found = _component(SOURCES / folder / file, kind)
+        if found is not None and found.name == name:
+            return found
     known = {c.name: c for c in components()}
     if name not in known:
         meant = close(name, [*known, *others])
@@ -66,7 +68,16 @@ def find(name: str, others: Iterable[str] = ()) -> Component:
     return known[name]
 
 
-def _read(header: Path, kind: str) -> Component | None:
+def _component(header: Path, kind: str) -> Component | None:
+    try:
+        status = header.stat()
+    except (OSError, ValueError):  # none, or a name that none can have
+        return None
+    return _read(header, kind, status.st_mtime_ns, status.st_size)
+
+
+@cache
+def _read(header: Path, kind: str, _modified: int, _size: int) -> Component | None:
     name = "".join(word.capitalize() for word in header.stem.split("_"))
     try:
         code = header.read_text(encoding="utf-8")

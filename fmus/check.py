@@ -3,6 +3,7 @@
 import zipfile
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Literal
 
@@ -23,6 +24,7 @@ from fmus.checks.version import check_version
 from fmus.errors import AdcsError
 from fmus.readable import read_model
 from fmus.references import unresolved
+from fmus.toolchain import INSTALL
 from fmus.xml import parse
 
 
@@ -47,8 +49,6 @@ def check(path: Path | str, behaviour: Callable[[Path], Iterable[str]] | None = 
 
 
 def _check(path: Path, behaviour: Callable[[Path], Iterable[str]]) -> Iterator[Finding]:
-    from fmus.checks.binary import check_binary  # not at the top: the library behind it takes a second to load
-
     try:
         if not path.is_file():
             raise FileNotFoundError("it is no file")
@@ -77,10 +77,8 @@ def _check(path: Path, behaviour: Callable[[Path], Iterable[str]]) -> Iterator[F
                 yield from _found("variables", check_variables(model, root))
                 yield from _found("variables", check_attributes(root))
                 yield from _found("dependencies", check_dependencies(model))
-                for name in archive.namelist():
-                    if name.startswith("binaries/") and name.endswith((".so", ".dll", ".dylib")):
-                        kinds = {type(i).__name__ for i in interfaces}
-                        yield from _found("binaries", check_binary(name, safe.read(name), model.fmiVersion, kinds))
+                kinds = {type(i).__name__ for i in interfaces}
+                yield from _found("binaries", _check_binaries(safe, model.fmiVersion, kinds))
         except _Unreadable as error:
             yield Finding("standard", str(error))
             return
@@ -90,6 +88,17 @@ def _check(path: Path, behaviour: Callable[[Path], Iterable[str]]) -> Iterator[F
             return
     if not any(finding.severity == "fault" for finding in in_archive):
         yield from _found("behaviour", behaviour(path))
+
+
+def _check_binaries(archive: Archive, fmi_version: str, interfaces: set[str]) -> Iterator[str]:
+    if find_spec("lief") is None:
+        yield Note(f"the binaries are not looked into, for lief is not installed: {INSTALL}")
+        return
+    from fmus.checks.binary import check_binary  # not at the top: the library behind it takes a second to load
+
+    for name in archive.names:
+        if name.startswith("binaries/") and name.endswith((".so", ".dll", ".dylib")):
+            yield from check_binary(name, archive.read(name), fmi_version, interfaces)
 
 
 class _Unreadable(Exception):

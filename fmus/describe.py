@@ -121,15 +121,17 @@ class Description:
         return next(v for v in self.variables if v.vr <= scalar_vr < v.vr + v.size)
 
 
-def run_describe(program: Path) -> Description:
-    """The description that a component's describe program prints."""
+def described(program: Path) -> dict[str, Any]:
+    """What a component's describe program prints, as JSON."""
     result = subprocess.run([program], capture_output=True, text=True, encoding="utf-8", check=False)
     if result.returncode != 0:
         raise AdcsError(f"{program.name} ended with exit code {result.returncode}: {result.stderr.strip()}")
     try:
-        return parse(json.loads(result.stdout))
+        content: dict[str, Any] = json.loads(result.stdout)
+        parse(content)
     except (ValueError, KeyError, TypeError) as error:
         raise AdcsError(f"{program.name} printed no valid description: {error!r}") from error
+    return content
 
 
 def parse(data: dict[str, Any]) -> Description:

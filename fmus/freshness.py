@@ -1,65 +1,113 @@
-"""Whether a built FMU is made of the sources that are here now: seen in those that it carries, nothing compiled."""
+"""Whether an FMU is made of what is here now: a record beside it says what it was made of, by content, not by time."""
 
 from __future__ import annotations
 
-import logging
-import zlib
-from functools import lru_cache
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import cache, lru_cache
 from pathlib import Path
 
-from fmus.archive import Archive
-from fmus.errors import AdcsError
-from fmus.paths import SOURCES
+from fmus.files import digest, write_atomically
+from fmus.paths import LICENSE, PACKAGE, SOURCES
 
-_log = logging.getLogger("adcs")
-_said: set[str] = set()
-
-
-def outdated(component: str, fmu: Path) -> str | None:
-    """Return the warning that an FMU was built from other sources, None if it was not; one line.
-
-    It is about content, not times: a header that is saved unchanged is no news. Only files of `src/` are compared; an
-    FMU that cannot be read is a matter for whoever opens it.
-    """
-    try:
-        status = fmu.stat()
-        changed = [name for name, known in _carried(fmu, status.st_mtime_ns, status.st_size) if known != _here(name)]
-    except (AdcsError, OSError):
-        return None
-    if not changed:
-        return None
-    more = f" (and {len(changed) - 1} more)" if len(changed) > 1 else ""
-    return f"{fmu.name} was built from another src/{changed[0]}{more}: run `adcs build {component}`"
+_PLACE = ".made"
+"""The folder of the records, beside the FMUs."""
 
 
-def warn_if_outdated(component: str, fmu: Path) -> None:
-    """Log the warning, once in a process."""
-    text = outdated(component, fmu)
-    if text is not None and text not in _said:
-        _said.add(text)
-        _log.warning(text)
+@dataclass(frozen=True)
+class Record:
+    """All that an FMU was made of."""
+
+    sources: dict[str, str]
+    """Each file of `src/`, and the digest of its content."""
+    packer: str
+    """Stands for the code that packed it, templates, licences, and the time of the files in it."""
+    compiler: str
+    """With the libraries that it compiled in; empty where binaries came compiled."""
+    platforms: tuple[str, ...]
+    fmu: str = ""
+    """Digest of the FMU itself."""
+
+    def without_fmu(self) -> Record:
+        """Return the same of any FMU."""
+        return replace(self, fmu="")
+
+
+def make_record(sources: Mapping[str, str], platforms: Iterable[str], compiler: str) -> Record:
+    """Return the record of an FMU that is packed now."""
+    return Record(dict(sources), _packer(), compiler, tuple(platforms))
+
+
+def keep_record(fmu: Path, record: Record) -> None:
+    """Write the record of an FMU that was written."""
+    content = json.dumps(asdict(replace(record, fmu=digest(fmu))), indent=1)
+    write_atomically(_place(fmu), content.encode())
+
+
+def read_record(fmu: Path) -> Record | None:
+    """Return the record of an FMU; None if it has none, or is another file than the one that the record is of."""
+    place = _place(fmu)
+    record = _read(place, digest(place))
+    return record if record is not None and record.fmu == digest(fmu) else None
 
 
 @lru_cache(maxsize=256)
-def _carried(fmu: Path, _modified: int, _size: int) -> tuple[tuple[str, tuple[int, int]], ...]:
-    """Size and CRC-32 of the files in `sources/` that are from `src/`, the component's own header first."""
-    with Archive(fmu) as archive:
-        known = archive.checksums
-    sources = {name.removeprefix("sources/"): each for name, each in known.items() if name.startswith("sources/")}
-    mine = {name: each for name, each in sources.items() if name.endswith((".hpp", ".cpp")) and "/" in name}
-    return tuple(sorted(mine.items(), key=lambda item: (item[0].startswith("fmi/"), item[0])))
-
-
-def _here(name: str) -> tuple[int, int] | None:
-    path = SOURCES / name
+def _read(place: Path, _digest: str) -> Record | None:
     try:
-        status = path.stat()
-    except FileNotFoundError:
+        known = json.loads(place.read_bytes())
+        return Record(**{**known, "platforms": tuple(known["platforms"])})
+    except (OSError, ValueError, TypeError, KeyError):
         return None
-    return _checksum(path, status.st_mtime_ns, status.st_size)
 
 
-@lru_cache(maxsize=1024)
-def _checksum(path: Path, _modified: int, _size: int) -> tuple[int, int]:
-    content = path.read_bytes()
-    return len(content), zlib.crc32(content)
+def recorded(dist: Path) -> set[Path]:
+    """Return the paths of the FMUs that were built into a folder."""
+    return {dist / place.stem for place in (dist / _PLACE).glob("*.json")}
+
+
+def forget(fmu: Path) -> None:
+    """Remove an FMU and its record."""
+    fmu.unlink(missing_ok=True)
+    _place(fmu).unlink(missing_ok=True)
+
+
+def outdated(fmu: Path, platform: str, compiler: str = "") -> str | None:
+    """Say why an FMU cannot be taken on this platform, in words that follow its name; None if it can.
+
+    `compiler` is the one that there is, empty if there is none.
+    """
+    if not fmu.is_file():
+        return "is not built"
+    record = read_record(fmu)
+    if record is None:
+        return "is not as it was built"
+    changed = [name for name, known in record.sources.items() if digest(f"{SOURCES}/{name}") != known]
+    if changed:
+        first = min(changed, key=lambda name: (name.startswith("fmi/"), name))
+        more = f" (and {len(changed) - 1} more)" if len(changed) > 1 else ""
+        return f"was built from another src/{first}{more}"
+    if record.packer != _packer():
+        return "was packed by another version of adcs-fmus"
+    if record.compiler and compiler and record.compiler != compiler:
+        return f"was built by {record.compiler}"
+    if platform not in record.platforms:
+        return f"has no binary for {platform}"
+    return None
+
+
+def _place(fmu: Path) -> Path:
+    return fmu.parent / _PLACE / f"{fmu.name}.json"
+
+
+def _packer() -> str:
+    return f"{_package()} {os.environ.get('SOURCE_DATE_EPOCH', '')}".strip()
+
+
+@cache
+def _package() -> str:
+    """Digest of the code that packs: it is loaded, and does not change any more while this process lives."""
+    files = [file for pattern in ("*.py", "templates/*", "licenses/*") for file in sorted(PACKAGE.glob(pattern))]
+    return hashlib.sha256("\n".join(map(digest, (*files, LICENSE))).encode()).hexdigest()

@@ -6,7 +6,7 @@ import re
 import time
 import zipfile
 from collections.abc import Iterable, Mapping
-from pathlib import Path
+from dataclasses import dataclass
 
 from lxml import etree
 
@@ -15,7 +15,7 @@ from fmus.catalog import Component
 from fmus.describe import Description
 from fmus.paths import FMI_HEADERS, LICENSE, PACKAGE
 from fmus.terminals import terminals_and_icons
-from fmus.toolchain import ZIG, Target, universal_binary
+from fmus.toolchain import Target, universal_binary, zig
 from fmus.xml import serialised
 
 FILE_NAMES = {"2.0": "{}.fmu", "3.0": "{}.fmi3.fmu"}
@@ -25,7 +25,8 @@ _LICENCE_OVERVIEW = """\
 This FMU is part of adcs-fmus, BSD 3-clause licence, adcs-fmus.txt.
 
 Compiled in, and in sources/ where it is source code:
-- Eigen (sources/Eigen), Mozilla Public License 2.0, Eigen.txt. Its source code is in this FMU.
+- Eigen (sources/Eigen), Mozilla Public License 2.0, Eigen.txt. Its source code is in this FMU, each module in one file
+  and without comments other than copyright notices; as its authors publish it: https://eigen.tuxfamily.org.
 - C header files of the FMI standard, 2-clause BSD licence, FMI.txt.
 - headers of libc++, Apache License 2.0 with LLVM exceptions, libcxx.txt.
 - compiler support routines of Zig, MIT licence, zig.txt.
@@ -33,44 +34,48 @@ Compiled in, and in sources/ where it is source code:
 """
 
 
-def pack(
-    component: Component,
-    description: Description,
-    fmi_version: str,
-    binaries: Mapping[Target, Path],
-    sources: Mapping[str, Path],
-    compiled: Iterable[str],
-) -> bytes:
-    """The FMU file.
+@dataclass(frozen=True)
+class Parts:
+    """What the FMUs of a component are packed of."""
 
-    `sources` are the files in sources/ by their names there, `compiled` the names of those that are compiled.
-    """
-    from fmus import icon  # not at the top: matplotlib takes a second to load
+    description: Description
+    binaries: Mapping[Target, bytes]
+    """The same for both versions of FMI."""
+    sources: Mapping[str, Mapping[str, bytes]]
+    """FMI version -> what goes into `sources/`, by the names there."""
+    icons: Mapping[str, bytes]
+    """`png` and `svg`."""
+    licences: Mapping[str, str]
+    """Of what is compiled in, by the names of their files."""
+    made_of: Mapping[str, str]
+    """The files of `src/` that all this was made of, and the digests of their contents."""
 
-    compiled = list(compiled)
+
+def pack(component: Component, parts: Parts, fmi_version: str) -> bytes:
+    """The FMU file."""
+    description, sources, icons = parts.description, parts.sources[fmi_version], parts.icons
+    compiled = [name for name in sources if name.endswith(".cpp")]
     xml = model_description.fmi2(description, compiled) if fmi_version == "2.0" else model_description.fmi3(description)
-    png = icon.draw(component.name, component.kind, "png")
     files = {
         "modelDescription.xml": xml,
-        **({"model.png": png} if fmi_version == "2.0" else {}),
+        **({"model.png": icons["png"]} if fmi_version == "2.0" else {}),
         "documentation/index.html": documentation.page(component, description).encode(),
-        **{f"documentation/licenses/{name}": text.encode() for name, text in _licences().items()},
+        **{f"documentation/licenses/{name}": text.encode() for name, text in sorted(parts.licences.items())},
         "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(description, fmi_version),
-        "terminalsAndIcons/icon.png": png,
-        "terminalsAndIcons/icon.svg": icon.draw(component.name, component.kind, "svg"),
+        "terminalsAndIcons/icon.png": icons["png"],
+        "terminalsAndIcons/icon.svg": icons["svg"],
         "sources/buildDescription.xml": _build_description(component.name, compiled),
-        **{f"sources/{name}": path.read_bytes() for name, path in sorted(sources.items())},
-        **_binaries(component.name, fmi_version, binaries),
+        **{f"sources/{name}": content for name, content in sorted(sources.items())},
+        **_binaries(component.name, fmi_version, parts.binaries),
     }
-    return _zipped(files)
+    return zipped(files)
 
 
-def _binaries(name: str, fmi_version: str, binaries: Mapping[Target, Path]) -> dict[str, bytes]:
-    contents = {target: path.read_bytes() for target, path in binaries.items()}
+def _binaries(name: str, fmi_version: str, binaries: Mapping[Target, bytes]) -> dict[str, bytes]:
     if fmi_version == "3.0":
-        return {f"binaries/{t.name}/{name}{t.suffix}": content for t, content in contents.items()}
-    files = {f"binaries/{t.fmi2_folder}/{name}{t.suffix}": content for t, content in contents.items()}
-    darwin = [content for t, content in contents.items() if t.name.endswith("-darwin")]
+        return {f"binaries/{t.name}/{name}{t.suffix}": content for t, content in binaries.items()}
+    files = {f"binaries/{t.fmi2_folder}/{name}{t.suffix}": content for t, content in binaries.items()}
+    darwin = [content for t, content in binaries.items() if t.name.endswith("-darwin")]
     if darwin:  # FMI 2.0 importers look for darwin64 on every Mac
         files[f"binaries/darwin64/{name}.dylib"] = universal_binary(darwin)
     return files
@@ -88,23 +93,25 @@ def _build_description(name: str, compiled: Iterable[str]) -> bytes:
     return serialised(root)
 
 
-def _licences() -> dict[str, str]:
+def licences() -> dict[str, str]:
+    """The licences of what is compiled in, by the names of their files; some of them come with the compiler."""
     headers = (FMI_HEADERS / "fmi3Functions.h").read_text(encoding="utf-8")
     fmi = re.search(r"Copyright \(C\).*?(?=\*/)", headers, re.DOTALL)
     assert fmi, "the FMI headers carry their licence"
-    lib = ZIG.parent / "lib"
+    folder = zig().parent
+    lib = folder / "lib"
     return {
         "license.txt": _LICENCE_OVERVIEW,
         "adcs-fmus.txt": LICENSE.read_text(encoding="utf-8"),
         "Eigen.txt": (PACKAGE / "licenses" / "MPL-2.0.txt").read_text(encoding="utf-8"),
         "FMI.txt": fmi[0],
         "libcxx.txt": (lib / "libcxx" / "LICENSE.TXT").read_text(encoding="utf-8"),
-        "zig.txt": (ZIG.parent / "LICENSE").read_text(encoding="utf-8"),
+        "zig.txt": (folder / "LICENSE").read_text(encoding="utf-8"),
         "mingw-w64.txt": (lib / "libc" / "mingw" / "COPYING").read_text(encoding="utf-8"),
     }
 
 
-def _zipped(files: Mapping[str, bytes]) -> bytes:
+def zipped(files: Mapping[str, bytes]) -> bytes:
     """A ZIP archive that only depends on the files' names and contents."""
     epoch = int(os.environ.get("SOURCE_DATE_EPOCH", 315532800))  # ZIP knows no time before 1980
     buffer = io.BytesIO()
@@ -114,5 +121,5 @@ def _zipped(files: Mapping[str, bytes]) -> bytes:
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.create_system = 3
             entry.external_attr = 0o644 << 16
-            archive.writestr(entry, content)
+            archive.writestr(entry, content, compresslevel=9)
     return buffer.getvalue()

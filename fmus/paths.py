@@ -1,5 +1,6 @@
 """Where things are, in a checkout and in an installed wheel."""
 
+import hashlib
 import os
 from importlib import metadata
 from pathlib import Path
@@ -16,7 +17,27 @@ def _checkout() -> Path | None:
 
 def _user_cache() -> Path:
     base = os.environ.get("LOCALAPPDATA") or os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "adcs-fmus"
+    return (Path(base) if base else Path.home() / ".cache") / "adcs-fmus" / _installed()
+
+
+def _installed() -> str:
+    """Version and content of what is installed: two that differ in a file share nothing."""
+    try:
+        distribution = metadata.distribution("adcs-fmus")
+    except metadata.PackageNotFoundError:
+        return "unknown"
+    record = distribution.read_text("RECORD") or ""  # each file, with the hash of its content
+    ours = sorted(line for line in record.splitlines() if line.startswith("fmus/") and "sha256=" in line)
+    content = "\n".join(line for line in ours if ".pyc" not in line)
+    return f"{distribution.version}-{hashlib.sha256(content.encode()).hexdigest()[:12]}"
+
+
+def _eigen() -> Path:
+    headers = "cmeel.prefix/include/eigen3"
+    try:
+        return Path(str(metadata.distribution("cmeel-eigen").locate_file(headers)))
+    except metadata.PackageNotFoundError:
+        return PACKAGE / headers
 
 
 CHECKOUT = _checkout()
@@ -26,5 +47,5 @@ BUILD = (CHECKOUT or _user_cache()) / "build"
 # site-packages may not be writable; ADCS_DIST puts the FMUs elsewhere.
 DIST = Path(os.environ.get("ADCS_DIST") or (PACKAGE if CHECKOUT else _user_cache()) / "dist").resolve()
 
-EIGEN = Path(str(metadata.distribution("cmeel-eigen").locate_file("cmeel.prefix/include/eigen3")))
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
+EIGEN = _eigen()  # not there where nothing can be compiled

@@ -1,6 +1,5 @@
 """Compiles and links with the zig compiler from PyPI, for every platform, and only what changed."""
 
-import hashlib
 import json
 import os
 import platform
@@ -11,15 +10,16 @@ from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
 from functools import cache
-from importlib import metadata
+from importlib import metadata, util
 from pathlib import Path
 
-import ziglang
-
 from fmus.errors import AdcsError
+from fmus.files import digest as digest
+from fmus.files import write_atomically as write_atomically
 from fmus.paths import BUILD, EIGEN, FMI_HEADERS, SOURCES
 
-ZIG = Path(ziglang.__file__).parent / ("zig.exe" if os.name == "nt" else "zig")
+INSTALL = "pip install 'adcs-fmus[build]'"
+"""The command that brings what is needed to compile."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +57,31 @@ LINK_FLAGS = {
     ".dll": ("-Wl,--gc-sections", "-Wl,-Brepro"),  # a digest in place of the time
     ".dylib": ("-Wl,-dead_strip",),
 }
+
+
+def is_installed() -> bool:
+    """Whether there is the compiler, and the library that components use."""
+    return util.find_spec("ziglang") is not None and EIGEN.is_dir()
+
+
+def zig() -> Path:
+    """The compiler; AdcsError if it is not installed."""
+    if not is_installed():
+        raise AdcsError(f"no compiler is installed: {INSTALL}")
+    import ziglang
+
+    return Path(ziglang.__file__).parent / ("zig.exe" if os.name == "nt" else "zig")
+
+
+def compiler() -> str:
+    """What compiles, and what it compiles in, with versions; empty if it is not installed."""
+    return _versions() if is_installed() else ""
+
+
+@cache
+def _versions() -> str:
+    packages = {"zig": "ziglang", "Eigen": "cmeel-eigen", "fmpy": "fmpy"}  # the last has the FMI headers
+    return ", ".join(f"{name} {metadata.version(package)}" for name, package in packages.items())
 
 
 def host() -> Target:
@@ -147,23 +172,6 @@ def included_files(step: Step) -> list[Path]:
     return [Path(path) for path in record.inputs]
 
 
-def digest(path: Path) -> str:
-    """SHA-256 of a file's content, empty if there is none."""
-    try:
-        status = path.stat()
-    except FileNotFoundError:
-        return ""
-    return _digest(path, status.st_mtime_ns, status.st_size)
-
-
-def write_atomically(path: Path, content: bytes) -> None:
-    """Writes a file that others, building at the same time, see either old or new, never half."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    temporary.write_bytes(content)
-    temporary.replace(path)
-
-
 def universal_binary(slices: Sequence[bytes]) -> bytes:
     """A macOS library for several processors out of one library for each."""
     alignment = 14  # 2^14, the page size of arm64
@@ -198,7 +206,7 @@ def _run(step: Step) -> None:
     started = time.time_ns()
     zig_cache = str(BUILD / "zig")
     environment = os.environ | {"ZIG_GLOBAL_CACHE_DIR": zig_cache, "ZIG_LOCAL_CACHE_DIR": zig_cache}
-    result = subprocess.run([ZIG, *step.command], capture_output=True, text=True, env=environment, check=False)
+    result = subprocess.run([zig(), *step.command], capture_output=True, text=True, env=environment, check=False)
     for stray in (".lib", ".pdb"):
         step.output.with_suffix(stray).unlink(missing_ok=True)
     if result.returncode != 0:
@@ -216,7 +224,7 @@ def _dependencies(depfile: Path) -> list[Path]:
     text = depfile.read_text(encoding="utf-8").replace("\\\n", " ").split(": ", 1)[1]
     names = (re.sub(r"\\([ #])", r"\1", part) for part in re.split(r"(?<!\\)\s+", text) if part)
     paths = {Path(os.path.normpath(name)) for name in names}
-    return sorted(path for path in paths if not path.is_relative_to(ZIG.parent))  # those stand and fall with zig
+    return sorted(path for path in paths if not path.is_relative_to(zig().parent))  # those stand and fall with zig
 
 
 def _signature(step: Step) -> str:
@@ -236,11 +244,6 @@ class _Record:
             return _Record(**json.loads(path.read_bytes()))
         except (FileNotFoundError, ValueError, TypeError):
             return _Record()
-
-
-@cache
-def _digest(path: Path, _modified: int, _size: int) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _beside(path: Path, suffix: str) -> Path:

@@ -11,6 +11,7 @@ import sys
 import zipfile
 from pathlib import Path
 
+from fmus.freshness import keep_record, read_record
 from fmus.paths import BUILD, DIST
 
 FOLDERS = ("binaries/linux64/", "binaries/x86_64-linux/")
@@ -47,6 +48,8 @@ def main() -> int:
             swap_binary(fmu, dist / fmu.name, library)
         else:  # not one of those that were built with sanitizers
             shutil.copyfile(fmu, dist / fmu.name)
+        if (record := read_record(fmu)) is not None:
+            keep_record(dist / fmu.name, record)
     compiler = os.environ.get("CXX", "c++")
     preload = [
         subprocess.check_output([compiler, f"-print-file-name={name}"], text=True).strip()

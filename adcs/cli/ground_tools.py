@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from adcs.cli.options import GroundTools
 from fmus.errors import AdcsError
-from hil_bridge.ground.attach import Bridge, Recorder, log_only
-from hil_bridge.ground.commands import make_commandable
-from hil_bridge.ground.endpoints import DEFAULTS
-from hil_bridge.ground.mapping import find
-from hil_bridge.ground.security import Keyring
-from hil_bridge.ground.settings import ALLOWED, Settings
 from orchestration.system import System
+
+if TYPE_CHECKING:
+    from hil_bridge.ground.attach import Bridge, Recorder
 
 
 def attached(
@@ -20,6 +19,13 @@ def attached(
 
     Without `network` it only writes the log.
     """
+    from hil_bridge.ground.attach import Bridge, log_only  # here, for the dialect of MAVLink takes long to load
+    from hil_bridge.ground.commands import make_commandable
+    from hil_bridge.ground.endpoints import DEFAULTS
+    from hil_bridge.ground.mapping import find
+    from hil_bridge.ground.security import Keyring
+    from hil_bridge.ground.settings import ALLOWED, Settings
+
     allow = [word for word in tools.allow.split(",") if word]
     for word in allow:
         if word not in ALLOWED:

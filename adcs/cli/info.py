@@ -17,10 +17,8 @@ from adcs.catalogue import find_component, find_system, names_system
 from adcs.cli.command import at_work, command
 from adcs.cli.printing import ERR, OUT, Json, print_json
 from fmus.build import describe
-from fmus.built import paths
 from fmus.catalog import Component
 from fmus.describe import Variable
-from fmus.freshness import warn_if_outdated
 from orchestration.fmu.file import Fmu, Port, open_fmu
 from orchestration.ssp.names import is_ssp
 from orchestration.system import System
@@ -57,8 +55,6 @@ def info(
 
 def _show_component(component: Component, as_json: bool) -> None:
     """Print what a component declares, which the component itself is asked for."""
-    for path in paths(component).values():
-        warn_if_outdated(component.name, path)
     with at_work(), ERR.status("asking the component ...") if not as_json else ERR.capture():
         description = describe(component.name)
     if as_json:

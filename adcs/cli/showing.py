@@ -60,7 +60,10 @@ def write_report(
     folder: Path,
     command: str | None = None,
 ) -> list[Path]:
-    """Write report.html and report.png; `command` is what made the run, this command line by default."""
+    """Write report.html, and report.png if what draws it is installed.
+
+    `command` is what made the run, this command line by default.
+    """
     panels = entry.figures(result)
     files = [folder / name for name in REPORT_FILES]
     report.write(
@@ -73,6 +76,8 @@ def write_report(
         key_numbers=numbers,
         command=command or command_line(),
     )
+    if not plots.can_draw():
+        return files[:1]
     plots.write_png(files[1], panels, entry.name)
     return files
 

@@ -96,11 +96,11 @@ def with_changes(choices: Any, changes: Sequence[str]) -> Any:
 
 
 def write_files(folder: Path, entry: StudyEntry, outcome: Outcome, manifest: dict[str, Any], command: str) -> Path:
-    """Write `index.html`, `rows.csv`, `rows.json` and one PNG per group of panels; returns the page."""
+    """Write `index.html`, `rows.csv`, `rows.json` and, if Matplotlib is there, a PNG per group; return the page."""
     folder.mkdir(parents=True, exist_ok=True)
     write_csv(folder / "rows.csv", outcome.rows)
     (folder / "rows.json").write_text(as_json(outcome.rows) + "\n", encoding="utf-8")
-    for group in dict.fromkeys(panel.group for panel in outcome.panels):
+    for group in dict.fromkeys(panel.group for panel in outcome.panels if plots.can_draw()):
         panels = [panel for panel in outcome.panels if panel.group == group]
         plots.write_png(folder / f"{_slug(group)}.png", panels, group)
     return report.write(

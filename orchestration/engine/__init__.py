@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 
 from fmus import toolchain
+from fmus.carried import compiled
+from fmus.files import write_atomically
 from fmus.paths import BUILD
 from orchestration.instances.instance import CallFailed, EndRequested, Instance
 from orchestration.plan.lowering import Call, Floats, Plan
@@ -22,7 +24,7 @@ from orchestration.plan.propagation import Ring, action_of, not_doubled, not_fin
 from orchestration.process.where import ACTIONS, Action, Doing, Place, Where
 
 _SOURCE = Path(__file__).with_name("engine.c")
-_FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-Wall", "-Wextra", "-shared")
+_FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-Wall", "-Wextra", "-g0", "-s", "-shared")
 
 _STATUS, _NOT_FINITE, _TERMINATED, _EARLY_RETURN, _DOES_NOT_FIT, _RAISED, _GIVEN_UP = range(1, 8)
 _TYPES = ["Float64", "Float32", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64", "Boolean"]
@@ -401,23 +403,30 @@ def _piece(start: int, n: int, call: Call | None, first: int) -> _Piece:
     return _Piece(start, n, factor, offset, mapping, len(pairs), plain, "Int" in call.type)
 
 
-def _built() -> Path:
-    target = toolchain.host()
+def library_for(target: toolchain.Target) -> Path:
+    """Return the engine for a platform, which is built unless it was, or is carried."""
     flags = ("-target", target.triple, *_FLAGS)
     version = hashlib.sha256(_SOURCE.read_bytes() + " ".join(flags).encode()).hexdigest()[:16]
     output = BUILD / "engine" / f"engine-{version}{target.suffix}"
-    if not output.is_file():
-        output.parent.mkdir(parents=True, exist_ok=True)
-        with TemporaryDirectory(dir=output.parent) as folder:  # several processes may build it at once
-            made = Path(folder) / output.name
-            toolchain.run_steps([toolchain.Step(made, ("cc", *flags, str(_SOURCE), "-o", str(made)), (_SOURCE,))])
-            made.replace(output)
+    if output.is_file():
+        return output
+    carried = compiled(output.name, target)
+    if carried is not None:
+        write_atomically(output, carried)
+        return output
+    output.parent.mkdir(parents=True, exist_ok=True)
+    with TemporaryDirectory(dir=output.parent) as folder:  # several processes may build it at once
+        made = Path(folder) / output.name
+        toolchain.run_steps([toolchain.Step(made, ("cc", *flags, str(_SOURCE), "-o", str(made)), (_SOURCE,))])
+        made.replace(output)
     return output
 
 
 @cache
 def _library() -> ctypes.CDLL:
-    library = ctypes.CDLL(os.environ.get("ADCS_ENGINE") or str(_built()))  # the variable: for sanitized builds
+    library = ctypes.CDLL(
+        os.environ.get("ADCS_ENGINE") or str(library_for(toolchain.host()))
+    )  # the variable: for sanitized builds
     plan, double, address, index = ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p, ctypes.c_int64
     library.adcs_plan_size.restype = ctypes.c_size_t
     library.adcs_control.restype = ctypes.c_uint32

@@ -17,11 +17,10 @@ from typing import Any, Literal
 import fmpy
 from fmpy.model_description import ModelDescription, ModelVariable, ValidationError
 
-from fmus import paths
 from fmus.archive import LARGEST_XML, Archive
 from fmus.catalog import find
-from fmus.errors import AdcsError, Failed, Unsupported, shown
-from fmus.freshness import warn_if_outdated
+from fmus.demand import fmu_path
+from fmus.errors import AdcsError, Unsupported, shown
 from fmus.readable import read_model
 from fmus.references import unresolved
 from fmus.versions import major_version, newer_minor
@@ -257,23 +256,14 @@ def _size(port: Port, size: int) -> int:
 
 
 def locate(name: str | Path, version: FmiVersion = "2.0") -> Path:
-    """Find the file of an FMU: a path that ends in `.fmu`, or the name of a component in `fmus/dist`.
-
-    It is logged as a warning if that was built from other sources than those that are here.
-    """
+    """Find the file of an FMU: a path that ends in `.fmu`, or that of a component, which is built if need be."""
     if Path(name).suffix == ".fmu":
         return Path(name)
-    path = paths.DIST / f"{name}{'.fmi3' if version == '3.0' else ''}.fmu"
-    if not path.is_file():
-        try:
-            find(str(name))
-        except AdcsError as error:
-            raise AdcsError(f"{error}, or give the path of an .fmu") from None
-        raise Failed(
-            f"FMU {name!r} is not built, {path} does not exist: build it with `adcs build {name}`, or give a path"
-        )
-    warn_if_outdated(str(name), path)
-    return path
+    try:
+        find(str(name))
+    except AdcsError as error:
+        raise AdcsError(f"{error}, or give the path of an .fmu") from None
+    return fmu_path(str(name), version)
 
 
 def open_fmu(path: Path) -> Fmu:

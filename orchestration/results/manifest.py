@@ -13,8 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from fmus import paths
-from fmus.freshness import outdated
 from orchestration.fmu.advice import odd_steps, outside_range
 from orchestration.fmu.file import FmiVersion
 from orchestration.fmu.seeds import is_seed, shared_seeds
@@ -39,11 +37,8 @@ def make_manifest(
     """
     components = {}
     seeds = {}
-    warnings = []
     for component in system.components.values():
         fmu = component.open(fmi_version)
-        if fmu.path.parent == paths.DIST and (text := outdated(str(component.source), fmu.path)):
-            warnings.append(text)
         start = {name: _nested(values, fmu.ports[name].shape) for name, values in component.start.items()}
         components[component.name] = {
             "fmu": _from_anywhere(component.source),
@@ -57,7 +52,7 @@ def make_manifest(
             if is_seed(port) or port.name == "seed" or port.name.endswith("_seed"):
                 default = None if port.start is None else _nested(port.start, port.shape)
                 seeds[f"{component.name}.{port.name}"] = start.get(port.name, default)
-    warnings += [*shared_seeds(system), *outside_range(system), *odd_steps(system, fmi_version, settings)]
+    warnings = [*shared_seeds(system), *outside_range(system), *odd_steps(system, fmi_version, settings)]
     return {
         "format": FORMAT,
         "system": {

@@ -5,6 +5,7 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fmus.errors import AdcsError
 from orchestration.fmu.file import element_names
 from orchestration.process.writing import replacing
 
@@ -251,6 +253,11 @@ def _plotly_guide_label(panel: Panel, guide: Guide) -> dict[str, Any]:
     return {**place, "text": guide.label, "showarrow": False, "font": {"size": 11, "color": GUIDE_COLOR}}
 
 
+def can_draw() -> bool:
+    """Whether there is what draws pictures: Matplotlib, which the extra `plot` brings."""
+    return find_spec("matplotlib") is not None
+
+
 def write_png(path: str | Path, panels: Sequence[Panel], title: str = "", columns: int = 2) -> None:
     """All panels in one picture; the folder of `path` is made if it is missing."""
     figure = make_figure(panels, title, columns)
@@ -260,6 +267,8 @@ def write_png(path: str | Path, panels: Sequence[Panel], title: str = "", column
 
 def make_figure(panels: Sequence[Panel], title: str = "", columns: int = 2) -> Figure:
     """All panels in one figure of Matplotlib, row by row in a grid; it shows itself in a notebook."""
+    if not can_draw():
+        raise AdcsError("pictures are drawn by Matplotlib, which is not installed: pip install 'adcs-fmus[plot]'")
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # not at the top: takes most of a second to load
     from matplotlib.figure import Figure
 

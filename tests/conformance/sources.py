@@ -7,7 +7,7 @@ import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from fmus.toolchain import ZIG, host
+from fmus.toolchain import host, zig
 
 VERSIONS = (2, 3)
 
@@ -48,7 +48,7 @@ def _fmu(source: Path, model: Path, version: int, target: Path) -> Path:
         "-DDISABLE_PREFIX",
     ]
     includes = [f"-I{source / 'include'}", f"-I{model}"]
-    subprocess.run([str(ZIG), "cc", *flags, *includes, *map(str, files), "-o", str(library)], check=True)
+    subprocess.run([str(zig()), "cc", *flags, *includes, *map(str, files), "-o", str(library)], check=True)
     fmu = library.with_suffix(".fmu")
     with zipfile.ZipFile(fmu, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.write(model / f"FMI{version}.xml", "modelDescription.xml")

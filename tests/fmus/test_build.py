@@ -6,7 +6,7 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 import fmus
-from adcs import AdcsError
+from adcs import AdcsError, System
 from fmus.paths import BUILD, CHECKOUT
 from fmus.toolchain import compile_step, host, run_steps
 
@@ -14,7 +14,7 @@ FMUS = ["RigidBody.fmu", "RigidBody.fmi3.fmu", "StarTracker.fmu", "StarTracker.f
 
 
 def test_two_fmus_for_each_component(built):
-    assert sorted(path.name for path in built.iterdir()) == sorted(FMUS)
+    assert sorted(path.name for path in built.glob("*") if path.is_file()) == sorted(FMUS)
 
 
 @pytest.mark.parametrize("fmu", FMUS)
@@ -106,13 +106,34 @@ def test_zip_times_follow_source_date_epoch(tmp_path, monkeypatch):
 
 
 def test_path_of_an_fmu(built, monkeypatch):
-    monkeypatch.setattr("fmus.DIST", built)
+    monkeypatch.setattr("fmus.paths.DIST", built)
     assert fmus.fmu_path("RigidBody") == built / "RigidBody.fmu"
     assert fmus.fmu_path("RigidBody", "3.0") == built / "RigidBody.fmi3.fmu"
-    with pytest.raises(fmus.AdcsError, match=r"PdTracking\.fmu is not built: run: adcs build"):
-        fmus.fmu_path("PdTracking")
     with pytest.raises(fmus.AdcsError, match=r"FMI version 1\.0 is not made: expected 2.0 or 3.0"):
         fmus.fmu_path("RigidBody", "1.0")
+
+
+def test_what_is_not_built_is_built_when_it_is_asked_for(tmp_path, monkeypatch):
+    monkeypatch.setattr("fmus.paths.DIST", tmp_path)
+    path = fmus.fmu_path("StarTracker", "3.0")
+    assert validate_fmu(str(path)) == []
+    assert path.parent == tmp_path
+
+
+def test_a_system_builds_only_the_components_that_it_has(tmp_path, monkeypatch):
+    monkeypatch.setattr("fmus.paths.DIST", tmp_path)
+    System("s").add("plant", "RigidBody")
+    assert sorted(path.name for path in tmp_path.glob("*.fmu")) == ["RigidBody.fmi3.fmu", "RigidBody.fmu"]
+
+
+def test_the_fmu_of_a_deleted_component_is_removed_when_all_are_built(tmp_path, monkeypatch):
+    (old,) = (path for path in fmus.build(["StarTracker"], dist=tmp_path) if path.name == "StarTracker.fmu")
+    mine = tmp_path / "Mine.fmu"
+    mine.write_bytes(old.read_bytes())
+    only = [fmus.find("RigidBody")]
+    monkeypatch.setattr("fmus.catalog.components", lambda: only)
+    fmus.build(dist=tmp_path)
+    assert sorted(path.name for path in tmp_path.glob("*.fmu")) == ["Mine.fmu", "RigidBody.fmi3.fmu", "RigidBody.fmu"]
 
 
 def test_records_are_readable(built):

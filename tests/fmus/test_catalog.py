@@ -47,3 +47,13 @@ def test_headers_that_declare_nothing_are_shared_between_components(tmp_path, mo
     assert (found.name, found.kind, found.summary) == ("SunSensor", "sensor", "sees")
     assert found.include == "sensors/sun_sensor.hpp"
     assert found.text == "# Sun\n\n  $x$\n"
+
+
+def test_each_component_is_found_by_its_name():
+    assert [catalog.find(c.name) for c in catalog.components()] == catalog.components()
+
+
+def test_a_name_that_is_no_file_name_is_refused_as_any_other():
+    for name in ("", "../plant/RigidBody", "A\0B", "rigid_body", "x" * 5000):
+        with pytest.raises(AdcsError, match="no component is called"):
+            catalog.find(name)

@@ -4,7 +4,7 @@ import pytest
 
 from adcs import AdcsError
 from fmus.build import describe
-from fmus.describe import run_describe
+from fmus.describe import described
 
 
 def test_names_of_elements(spinner):
@@ -44,4 +44,4 @@ def test_a_describe_program_that_fails(tmp_path, script, message):
     program.write_text(f"#!/bin/sh\n{script}\n")
     program.chmod(stat.S_IRWXU)
     with pytest.raises(AdcsError, match=message):
-        run_describe(program)
+        described(program)

@@ -10,7 +10,7 @@ from fmus.icon import draw
 
 @pytest.mark.parametrize("kind", KINDS.values())
 def test_each_kind_has_its_own_icon_in_both_forms(kind):
-    png = Image.open(io.BytesIO(draw("Name", kind, "png")))
+    png = Image.open(io.BytesIO(draw("Name", kind, "png"))).convert("RGBA")
     assert png.size == (256, 256)
     assert png.getpixel((0, 0))[3] == 0  # transparent outside the frame
     assert len(png.getcolors(1 << 16)) > 10

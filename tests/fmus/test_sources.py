@@ -10,7 +10,7 @@ import pytest
 from fmpy.build import build_platform_binary
 
 from fmus.paths import BUILD
-from fmus.toolchain import ZIG, host
+from fmus.toolchain import host, zig
 
 
 def compiler(folder, language):
@@ -19,7 +19,7 @@ def compiler(folder, language):
     script.write_text(
         f"""#!/bin/sh
 case " $* " in *" -c "*) mode={language};; *) mode=cc;; esac
-exec {ZIG} $mode -fno-exceptions -fno-rtti -fno-sanitize=undefined "$@"
+exec {zig()} $mode -fno-exceptions -fno-rtti -fno-sanitize=undefined "$@"
 """
     )
     script.chmod(0o755)

@@ -154,9 +154,10 @@ def test_what_fails_ends_with_1(tmp_path, monkeypatch, capsys):
     assert adcs("run", "full-state-pd", *unstable, "--no-report") == 1
     assert adcs("linearize", "full-state-pd", "--at", "1s", *unstable) == 1
     monkeypatch.setattr("fmus.paths.DIST", tmp_path)
+    monkeypatch.setattr("fmus.toolchain.is_installed", lambda: False)
     for command in ("run", "export", "linearize"):
         assert adcs(command, "observer-pd") == 1
-        assert capsys.readouterr().err.splitlines()[-1].startswith("adcs: FMU 'FixedAxisReference' is not built")
+        assert capsys.readouterr().err.splitlines()[-1].startswith("adcs: FixedAxisReference.fmu is not built, and no")
 
 
 def test_a_failed_run_leaves_no_report_of_an_earlier_one(tmp_path):
@@ -205,12 +206,14 @@ def test_words_that_no_command_takes(capsys, words, message):
     assert capsys.readouterr().err == f"adcs: {message}\n"
 
 
-def test_components_that_are_not_built(tmp_path, monkeypatch, capsys):
+def test_components_that_cannot_be_built(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("fmus.paths.DIST", tmp_path)
+    monkeypatch.setattr("fmus.toolchain.is_installed", lambda: False)
     assert adcs("run", "observer-pd", "--out", tmp_path) == 1
-    err = capsys.readouterr().err.strip()
-    assert err.startswith("adcs: FMU 'FixedAxisReference' is not built")
-    assert "`adcs build FixedAxisReference`" in err
+    assert capsys.readouterr().err == (
+        "adcs: FixedAxisReference.fmu is not built, and no compiler is installed to build it: "
+        "pip install 'adcs-fmus[build]'\n"
+    )
 
 
 @pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="looks into /proc to see the loop begin")

@@ -157,14 +157,6 @@ def test_a_component_that_is_misspelt():
         System("s").add("p", "RigidBdy")
 
 
-def test_a_component_that_is_not_built(tmp_path, monkeypatch):
-    monkeypatch.setattr("fmus.paths.DIST", tmp_path)
-    with pytest.raises(
-        AdcsError, match=r"FMU 'RigidBody' is not built, .* does not exist: build it with `adcs build R"
-    ):
-        System("s").add("p", "RigidBody")
-
-
 def test_ports_are_the_same_arrays_in_both_versions(mock):
     two, three = (open_fmu(mock("typed", v)) for v in ("2.0", "3.0"))
     assert two.ports["matrix"].shape == three.ports["matrix"].shape == (2, 3)

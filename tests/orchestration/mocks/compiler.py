@@ -9,7 +9,7 @@ from pathlib import Path
 import fmpy
 
 from fmus.paths import BUILD
-from fmus.toolchain import ZIG
+from fmus.toolchain import zig
 
 HERE = Path(__file__).parent
 
@@ -21,6 +21,6 @@ def compile_library(model: str, unused: str, variables: str, binary: Path) -> No
     (generated / "variables.h").write_text(variables)
     headers = Path(fmpy.__file__).parent / "c-code"
     cache = {"ZIG_GLOBAL_CACHE_DIR": str(BUILD / "zig"), "ZIG_LOCAL_CACHE_DIR": str(BUILD / "zig")}
-    command = [ZIG, "cc", "-std=c11", "-O1", "-shared", "-fPIC", f"-I{headers}", f"-I{generated}", f"-I{HERE}"]
+    command = [zig(), "cc", "-std=c11", "-O1", "-shared", "-fPIC", f"-I{headers}", f"-I{generated}", f"-I{HERE}"]
     sources = [HERE / f"{model}.c", HERE / f"{unused}.c"]
     subprocess.run([*command, *sources, "-lm", "-o", binary], check=True, env=os.environ | cache)

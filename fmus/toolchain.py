@@ -129,11 +129,14 @@ def header_step(source: Path, output: Path, target: Target, *flags: str) -> Step
 
 def link_step(objects: Sequence[Path], output: Path, target: Target) -> Step:
     """Links a shared library that exports what the export list says."""
-    flags = ("-shared", *LINK_FLAGS[target.suffix])
-    if target.suffix == ".dylib":
-        flags += (f"-Wl,-install_name,@rpath/{output.name}",)  # else it is the path on this machine
+    flags = ("-shared", *LINK_FLAGS[target.suffix], *own_name(output, target))
     exports = (SOURCES / "fmi" / "exports.map",) if target.suffix == ".so" else ()
     return _link(objects, output, target, flags, exports)
+
+
+def own_name(output: Path, target: Target) -> tuple[str, ...]:
+    """The flags that keep the path on this machine out of a library."""
+    return (f"-Wl,-install_name,@rpath/{output.name}",) if target.suffix == ".dylib" else ()
 
 
 def program_step(objects: Sequence[Path], output: Path, target: Target) -> Step:

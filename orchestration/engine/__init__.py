@@ -417,7 +417,8 @@ def library_for(target: toolchain.Target) -> Path:
     output.parent.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory(dir=output.parent) as folder:  # several processes may build it at once
         made = Path(folder) / output.name
-        toolchain.run_steps([toolchain.Step(made, ("cc", *flags, str(_SOURCE), "-o", str(made)), (_SOURCE,))])
+        command = ("cc", *flags, *toolchain.own_name(output, target), str(_SOURCE), "-o", str(made))
+        toolchain.run_steps([toolchain.Step(made, command, (_SOURCE,))])
         made.replace(output)
     return output
 

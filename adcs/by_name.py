@@ -32,7 +32,7 @@ def _found(name: str, step: Seconds | None) -> System:
     entry = find_system(name)
     if step is not None:
         entry.check_step(expected.seconds("step", step))
-    return entry.built()
+    return entry.build()
 
 
 def _telling_old_names(function: Callable[Arguments, Returned]) -> Callable[Arguments, Returned]:

@@ -47,7 +47,7 @@ def _with_call(path: Path, finding: str) -> str:
             try:
                 entry = system_from_file(str(path))
                 end = entry.start_time + entry.step
-                run(entry.built(), stop_time=end, method=method_of(kind), isolated=True)
+                run(entry.build(), stop_time=end, method=method_of(kind), isolated=True)
             except AdcsError as error:
                 return f"{_RUN_BY}{kind} ends: {error}"
     return finding

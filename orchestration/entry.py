@@ -18,7 +18,7 @@ class SystemEntry:
     name: str
     description: str
     reference: str
-    build: Callable[[], System]
+    make: Callable[[], System]
     stop_time: float  # s
     step: float  # s
     figures: Callable[[Result], Sequence[Panel]]
@@ -27,8 +27,8 @@ class SystemEntry:
     check_step: Callable[[float], object] = lambda step: None  # refuses an exchange step [s]
     assumed: Sequence[str] = ()  # which of stop_time and step its file does not give
 
-    def built(self) -> System:
+    def build(self) -> System:
         """Return the system, with its times."""
-        system = self.build()
+        system = self.make()
         system.times = Times(self.start_time, self.stop_time, self.step, self.assumed)
         return system

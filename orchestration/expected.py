@@ -18,16 +18,15 @@ def refused(name: str, value: object, expected: str) -> AdcsError:
     return AdcsError(f"{name} = {shown(repr(value))}: expected {expected}")
 
 
-def number(name: str, value: object) -> None:
-    """Refuse what is no real number; whether it is a sensible one is for others to say."""
+def number(name: str, value: object) -> float:
+    """Return a real number; refuse what is none. Whether it is a sensible one is for others to say."""
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool):
         try:
-            float(value)
+            return float(value)
         except OverflowError:
             raise AdcsError(f"{name} is beyond the range of numbers: expected one below 1e308") from None
-        return
     quoted = isinstance(value, str) and not isnan(_as_number(value))
     raise refused(name, value, f"a number, {shown(str(value))} without quotes" if quoted else "a number")
 
@@ -35,18 +34,20 @@ def number(name: str, value: object) -> None:
 def seconds(name: str, value: object) -> float:
     """Return a time [s]: a number, or a text with its unit; refuse anything else."""
     if not isinstance(value, str) or not isnan(_as_number(value)):
-        number(name, value)
-        return float(value)  # type: ignore[arg-type]
+        return number(name, value)
     try:
         return times.seconds(value)
     except ValueError as error:
         raise AdcsError(f"{name}: {error}") from None
 
 
-def count(name: str, value: object, what: str, least: int = 1) -> None:
-    """Refuse what is no whole number, or too small a one; `what` was expected."""
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+def count(name: str, value: object, what: str, least: int = 1) -> int:
+    """Return a whole number; refuse what is none, too small, or beyond what a double counts. `what` was expected."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
         raise refused(name, value, f"{what} from {least}")
+    if not least <= value <= _MOST:
+        raise refused(name, int(value), f"{what} from {least}" + (" to 2^53" if value > _MOST else ""))
+    return int(value)
 
 
 def text(name: str, value: object) -> None:
@@ -86,8 +87,11 @@ def by_name(name: str, value: object) -> None:
 
 def choice(name: str, value: object, options: Any) -> None:
     """Refuse what is none of the options, a `Literal`."""
-    if value not in get_args(options):
+    if not isinstance(value, str) or value not in get_args(options):
         raise AdcsError(f"{name} = {value!r} is unknown: use {' or '.join(map(repr, get_args(options)))}")
+
+
+_MOST = 2**53  # beyond, not every whole number is a double
 
 
 def _as_number(value: str) -> float:

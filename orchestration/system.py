@@ -205,8 +205,7 @@ class System:
             raise AdcsError(f"component name {name!r} is not usable: give a name without dots")
         if name in self.components:
             raise AdcsError(f"system {self.name!r} already has a component {name!r}: give another name")
-        if not isinstance(every, int) or every < 1:
-            raise AdcsError(f"component {name!r}: every = {every!r}, expected a whole number of exchange steps from 1")
+        every = expected.count(f"component {name!r}: every", every, "a whole number of exchange steps")
         # Both files of a component built here say the same: the wiring is checked on whichever exists.
         component = Component(name, fmu, open_fmu(_any_version(fmu)), {}, every)
         given = dict(start or {})
@@ -408,6 +407,8 @@ class System:
 
         Values of those in `external` come from outside; a String, Binary or Clock has none to be given.
         """
+        for component in self.components.values():
+            expected.count(f"component {component.name!r}: every", component.every, "a whole number of exchange steps")
         outside: dict[tuple[str, Place], str] = {}
         for name in external:
             end = self.end(name)

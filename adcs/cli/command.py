@@ -58,7 +58,7 @@ def group(title: str) -> Callable[[type[_Class]], type[_Class]]:
             own[name] = copy(field)
             own[name].kw_only = True  # also what is inherited: options have names
         hints = get_type_hints(options, include_extras=True)  # each in the module where it stands
-        options.__init__.__annotations__ |= {name: hints[name] for name in own}
+        options.__init__.__annotations__ |= {name: _WRITTEN.get(hints[name], hints[name]) for name in own}
         return Parameter(name="*", group=Group(title, sort_key=place))(options)
 
     return made
@@ -119,3 +119,11 @@ def _moment(kind: Any, tokens: tuple[Token, ...]) -> datetime:
 
 Epoch = Annotated[datetime, Parameter(converter=_moment, metavar="UTC")]
 """The moment of t = 0: a date with or without a time, UTC where it has no time zone."""
+
+_WRITTEN: dict[Any, Any] = {
+    times.Seconds: Time,
+    times.Seconds | None: Time | None,
+    int: Whole,
+    int | None: Whole | None,
+}
+"""How what classes of the core are given is written on a command line, where it is not as Python writes it."""

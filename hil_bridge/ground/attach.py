@@ -28,6 +28,7 @@ from hil_bridge.ground.trial import Trial
 from hil_bridge.ground.vehicle import Vehicle
 from orchestration.running.change import Change
 from orchestration.running.hook import Hook, Watched
+from orchestration.running.outline import Outline
 from orchestration.running.session import ENDLESS, Session
 from orchestration.running.simulation import Simulation
 from orchestration.system import System
@@ -119,10 +120,14 @@ class Bridge(Hook):
         assert self._process is not None
         return self._process.pid
 
+    def prepare(self, outline: Outline) -> None:
+        """Refuse a run whose states cannot be saved."""
+        if outline.method.kind != "co-simulation":
+            raise AdcsError("mavlink: only co-simulation has it, whose states can be saved to try what tools ask for")
+
     def begin(self, simulation: Simulation, hooks: Sequence[Hook], watched: Watched) -> None:
         """Find what is shown in the rows of the run."""
-        if not isinstance(simulation, Session):
-            raise AdcsError("mavlink: only co-simulation has it, whose states can be saved to try what tools ask for")
+        assert isinstance(simulation, Session)
         self._simulation, self._wanted = simulation, list[Change]()
         self._where = _places(simulation, self.signals)
 

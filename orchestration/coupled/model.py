@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from fmus.errors import AdcsError
+from orchestration import expected
 from orchestration.engine import Engine
 from orchestration.engine.overstepping import overstepped
 from orchestration.fmu.file import FmiVersion, Port
@@ -65,7 +66,9 @@ class CoupledModel:
         system = as_system(system)
         start_time, stop_time, _ = system.run_times(start_time, stop_time, 0.0)
         solver = loop_solver(loops)
-        _refuse(system, fmi_version)
+        if source is not None and not isinstance(source, Source):
+            raise expected.refused("source", source, "what has names, at(times) and jump(after)")
+        refuse(system, fmi_version)
         recording = Recording(system, record, 1)
         self.system = system
         self.ports = recording.ports
@@ -294,7 +297,7 @@ class _Indicators:
         return self._values.copy()
 
 
-def _refuse(system: System, version: FmiVersion) -> None:
+def refuse(system: System, version: FmiVersion) -> None:
     """Refuse by name what no differential equation can hold."""
     for connection in system.connections:
         if connection.delayed:

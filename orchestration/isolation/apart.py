@@ -25,7 +25,7 @@ from orchestration.process.temporary import temporary_folder
 from orchestration.results import hdf5
 from orchestration.results.manifest import row_times
 from orchestration.results.result import Result, RunFailed, RunInterrupted
-from orchestration.results.stored import FileResult
+from orchestration.results.stored import FileResult, mark_of
 
 ASKED, ANSWER = "asked", "answer"  # files in the folder
 _LOOK = 0.05  # s, between two looks at the other process
@@ -143,7 +143,7 @@ def _to_file(
             result.manifest["outcome"] = outcome
         return result, RunFailed(f"{why}{error}; {rows} rows are kept", result)
     written = FileResult(result.system, np.array(result.time), result.data[:0], result.ports, result.manifest)
-    written.path = path
+    written.path, written.mark = path, mark_of(path)
     if failed is not None:
         failed.result = written
     return written, failed

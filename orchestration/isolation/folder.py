@@ -92,6 +92,14 @@ class ResultsFolder:
         for file in present:
             file.replace(aside / file.name)
 
+    def restore(self) -> None:
+        """Bring back what `clear` has put aside: the run that was to replace it has not begun."""
+        aside = self.path / PREVIOUS
+        if aside.is_dir() and not aside.is_symlink():
+            for file in list(aside.iterdir()):
+                file.replace(self.path / file.name)
+            aside.rmdir()
+
     def forget(self) -> None:
         """This run is complete: remove what was put aside, unless it holds rows that are nowhere else."""
         aside = self.path / PREVIOUS

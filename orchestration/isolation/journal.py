@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from fmus.errors import AdcsError, shown
+from fmus.errors import AdcsError, Failed, shown
 from orchestration.fmu.file import Port
 from orchestration.grid import Grid
 from orchestration.plan.lowering import Floats
@@ -202,8 +202,8 @@ class Journal:
 
     def _refused(self, error: OSError, what: str) -> AdcsError:
         if error.errno == errno.EEXIST:
-            return AdcsError(f"{self.path} is there already: `adcs recover {self.path.parent}`, or remove it")
-        return AdcsError(f"no room for {what} in {self.path}: {error.strerror}")
+            return Failed(f"{self.path} is there already: `adcs recover {self.path.parent}`, or remove it")
+        return Failed(f"no room for {what} in {self.path}: {error.strerror}")
 
 
 class JournalRecording(Recording):

@@ -62,7 +62,7 @@ def linearize(
     if not isinstance(method, ModelExchange):
         raise expected.refused("method", method, "adcs.ModelExchange(...): a linearisation is made of derivatives")
     for name, given in {"inputs": inputs, "outputs": outputs, "open_at": open_at}.items():
-        if given is not None:
+        if given is not None or name == "open_at":
             expected.texts(name, given)
     if isinstance(system, str | Path) and _is_component(system):
         system = single(system, start)

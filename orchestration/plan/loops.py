@@ -35,13 +35,13 @@ class LoopSolver:
     max_iterations: int = 50
 
     def __post_init__(self) -> None:
-        if self.method not in get_args(LoopMethod):
+        if not isinstance(self.method, str) or self.method not in get_args(LoopMethod):
             raise AdcsError(f"loop method {self.method!r} is unknown: use {_METHODS}")
-        expected.number("loop tolerance", self.tolerance)
+        object.__setattr__(self, "tolerance", expected.number("loop tolerance", self.tolerance))
         if not 8 * _MACHINE <= self.tolerance < 1:
             raise AdcsError(f"loop tolerance = {self.tolerance}: expected a number from {8 * _MACHINE:.1e} to 1")
-        if not isinstance(self.max_iterations, int) or self.max_iterations < 1:
-            raise expected.refused("loop max_iterations", self.max_iterations, "a whole number from 1")
+        most = expected.count("loop max_iterations", self.max_iterations, "a whole number")
+        object.__setattr__(self, "max_iterations", most)
 
 
 def loop_solver(given: object) -> LoopSolver | None:

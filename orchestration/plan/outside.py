@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Protocol
+from collections.abc import Callable, Sequence
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from fmus.errors import AdcsError, shown
 from orchestration.plan.lowering import Floats
 
 
+@runtime_checkable
 class Source(Protocol):
     """Gives the inputs `names` their values, one after the other."""
 
@@ -28,16 +30,32 @@ class Source(Protocol):
 
 
 class Sources:
-    """Several sources as one."""
+    """Several sources as one, whose answers are looked at: they may be anybody's."""
 
-    def __init__(self, sources: Sequence[Source]) -> None:
+    def __init__(self, sources: Sequence[Source], size: Callable[[str], int]) -> None:
+        """`size` tells how many values a name stands for."""
         self.names = [name for source in sources for name in source.names]
-        self._sources = sources
+        self._sources = [(source, sum(size(name) for name in source.names)) for source in sources]
 
     def at(self, times: Floats) -> Floats:
         """Return the values at these times (s), (n, number of values)."""
-        return np.hstack([source.at(times) for source in self._sources])
+        return np.hstack([_asked(source, times, width) for source, width in self._sources])
 
     def jump(self, after: float) -> float:
         """Return the next time (s) at which a value jumps or bends; inf if there is none."""
-        return min(source.jump(after) for source in self._sources)
+        return min(source.jump(after) for source, _ in self._sources)
+
+
+def _asked(source: Source, times: Floats, width: int) -> Floats:
+    name = f"{type(source).__name__}.at"
+    try:
+        values = np.asarray(source.at(times), float)
+    except AdcsError:
+        raise
+    except Exception as error:
+        raise AdcsError(f"{name} raised {type(error).__name__}: {shown(str(error))}") from error
+    if values.shape != (len(times), width):
+        raise AdcsError(
+            f"{name} returned values of shape {values.shape}: expected {(len(times), width)}, a row for each time"
+        )
+    return values

@@ -10,6 +10,7 @@ from math import inf, isfinite
 
 import numpy as np
 
+from fmus.errors import AdcsError
 from orchestration.fmu.file import Fmu
 from orchestration.fmu.number_types import BEYOND, EXACT, first_beyond, first_misfit
 from orchestration.instances.instance import CallFailed, Instance
@@ -29,7 +30,10 @@ class Ring:
     @classmethod
     def filled(cls, delay: Delay, signals: Floats) -> Ring:
         """Return the ring as it is when nothing has arrived yet."""
-        return cls(delay, np.tile(signals[delay.target], (delay.steps, 1)))
+        try:
+            return cls(delay, np.tile(signals[delay.target], (delay.steps, 1)))
+        except (MemoryError, OverflowError, ValueError):  # of what can be addressed
+            raise AdcsError(f"a delay by {delay.steps} steps does not fit into memory: use a shorter one") from None
 
     def arrive(self, k: int, signals: Floats) -> None:
         """Hand on what left `steps` points before k."""

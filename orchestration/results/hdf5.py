@@ -49,6 +49,8 @@ def check(path: Path, ports: Mapping[str, Port]) -> None:
     """Refuse a place where no file can be, and names that cannot stand side by side in it."""
     if path.is_dir():
         raise AdcsError(f"cannot write {path}: it is a folder")
+    if path.is_file() and not path.is_symlink() and path.stat().st_size and not h5py.is_hdf5(path):
+        raise AdcsError(f"cannot write {path}: a file that is not HDF5 is there: give another name")
     places = [dataset_of(name) for name in ports]
     for place in places:
         if place.partition("/")[0] in ("time", "manifest") or any(other.startswith(f"{place}/") for other in places):

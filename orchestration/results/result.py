@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fmus.errors import AdcsError, Failed, shown
 from fmus.spelling import hint
@@ -138,11 +139,13 @@ class Result:
         """The recorded variables, `component.variable`."""
         return list(self.ports)
 
-    def __getitem__(self, name: str) -> Any:
+    def __getitem__(self, name: str) -> NDArray[Any]:
         recorded, element = self._find(name)
         port = self.ports[recorded]
         values = self._read(recorded, element)
-        return typed(values.reshape(len(self.time), *(port.shape if element is None else ())), port)
+        shape = (len(self.time), *(port.shape if element is None else ()))
+        found: NDArray[Any] = typed(values.reshape(shape), port)
+        return found
 
     def __contains__(self, name: object) -> bool:
         try:

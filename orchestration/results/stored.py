@@ -60,8 +60,7 @@ class FileRecording(Recording):
     def _flush(self) -> File:
         """Write what is kept; the file is made by the first rows, so that a refused run leaves an older one alone."""
         if self._open is None:
-            if self.path.is_symlink():  # it is replaced, not followed
-                self.path.unlink()
+            self.path.unlink(missing_ok=True)  # it is replaced, not followed or changed
             self._open = File(self.path, self.ports)
         done, piece = 0, max(1, self._used)
         while done < self._used:
@@ -86,16 +85,24 @@ class FileResult(Result):
     """A result whose values stay in their file until they are asked for."""
 
     path: Path
+    mark: tuple[int, ...] | None = None
+    """Tells the file from another one in its place."""
 
     @classmethod
     def of(cls, system: System, times: Floats, recording: FileRecording, manifest: dict[str, Any]) -> FileResult:
         """Return the result of a finished recording."""
         result = cls(system, times, np.empty((0, recording.size)), recording.ports, manifest)
         result.path = recording.path
+        result.mark = mark_of(recording.path)
         return result
 
+    def _file(self) -> h5py.File:
+        if self.mark is not None and mark_of(self.path) != self.mark:
+            raise AdcsError(f"{self.path} is not the file any more that this result is in: give each run its own")
+        return h5py.File(self.path)
+
     def _read(self, name: str, element: int | None) -> Floats:
-        with h5py.File(self.path) as file:
+        with self._file() as file:
             dataset = file[self._held(name)]
             if element is None:
                 return np.asarray(dataset[:], float)
@@ -104,7 +111,7 @@ class FileResult(Result):
     def block(self, first: int, last: int) -> Floats:
         """Rows first .. last-1."""
         n = min(last, len(self.time)) - first
-        with h5py.File(self.path) as file:
+        with self._file() as file:
             parts = [
                 np.asarray(file[self._held(name)][first:last], float).reshape(n, port.size)
                 for name, port in self.ports.items()
@@ -119,5 +126,14 @@ class FileResult(Result):
         """Return the result with these variables only."""
         ports = {name: self.ports[self._whole(name)] for name in names}
         chosen = FileResult(self.system, self.time, self.data, ports, {**self.manifest, "written": list(names)})
-        chosen.path = self.path
+        chosen.path, chosen.mark = self.path, self.mark
         return chosen
+
+
+def mark_of(path: Path) -> tuple[int, ...] | None:
+    """Return what tells a file from another one in its place; None if it is not there."""
+    try:
+        about = path.stat()
+    except OSError:
+        return None
+    return about.st_dev, about.st_ino, about.st_size, about.st_mtime_ns

@@ -29,10 +29,15 @@ def check(simulation: Session, tolerance: float) -> None:
                 f"{instance.name} ({instance.fmu.path.name}) cannot go back to a saved state, or on with another step: "
                 "an adaptive exchange step needs canGetAndSetFMUstate and canHandleVariableCommunicationStepSize"
             )
-    for component in simulation.system.components.values():
+    refuse(simulation.system)
+
+
+def refuse(system: System) -> None:
+    """Refuse by name what counts exchange steps, before any component is there."""
+    for component in system.components.values():
         if component.every > 1:
             raise AdcsError(f"{component.name} communicates at every {component.every} steps: not with adaptive steps")
-    for connection in simulation.system.connections:
+    for connection in system.connections:
         if connection.delayed:
             raise AdcsError(f"the connection to {connection.target} is delayed: not with adaptive exchange steps")
 

@@ -36,6 +36,11 @@ def _function(name: str, value: object) -> None:
         raise expected.refused(name, value, "what can be called")
 
 
+def _yes_or_no(name: str, value: object) -> None:
+    if not isinstance(value, bool):
+        raise expected.refused(name, value, "True or False")
+
+
 def made(kind: type, example: str) -> Rule:
     """Return the rule that something is of a class; `example` says how one is made."""
 
@@ -55,4 +60,5 @@ _RULES: dict[str, Rule] = {
     "resume": expected.path,
     "hooks": _hooks,
     "progress": _function,
+    "isolated": _yes_or_no,
 }

@@ -27,11 +27,6 @@ def ask(hook: Hook, method: str, *arguments: Any) -> Any:
     return _RULES[method](name, answer, *arguments) if method in _RULES else answer
 
 
-def overrides(hook: Hook, method: str) -> bool:
-    """Whether it has an answer of its own."""
-    return getattr(type(hook), method) is not getattr(Hook, method)
-
-
 def _wrong(name: str, answer: object, what: str) -> AdcsError:
     return AdcsError(f"{name} returned {shown(repr(answer))}: expected {what}")
 

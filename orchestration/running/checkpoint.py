@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import io
 import json
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +20,13 @@ from orchestration.process.writing import replacing
 from orchestration.running.session import Session
 
 _FORMAT = "adcs-checkpoint-1"
+
+
+def is_checkpoint(path: Path) -> bool:
+    """Whether a file is a checkpoint, of whatever version."""
+    with suppress(OSError, ValueError, BadZipFile, EOFError), np.load(path, allow_pickle=False) as content:
+        return "about" in getattr(content, "files", ())
+    return False
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ from orchestration.instances.instance import EndRequested
 from orchestration.instances.life import hung_failure
 from orchestration.process.watch import Hung, Unwatched, Watched
 from orchestration.results.result import Recording
-from orchestration.running.asking import ask, overrides
+from orchestration.running.asking import ask
 from orchestration.running.change import Change
-from orchestration.running.hook import MOST, Hook
+from orchestration.running.hook import MOST, Hook, overrides, together
 from orchestration.running.simulation import Simulation
 
 Progress = Callable[[float], Any]
@@ -43,8 +43,8 @@ class Driver:
         """The time of the last row [s]."""
         # what is asked at each point, of those only that have an answer of their own
         self._afters, self._aheads, self._changes = (
-            [partial(ask, hook, method) for hook in hooks if overrides(hook, method)]
-            for method in ("after", "ahead", "changes")
+            [partial(ask, hook, method) for hook in hooks if any(overrides(hook, each) for each in (method, *others))]
+            for method, *others in (("after",), ("ahead", "after", "changes"), ("changes",))
         )
         self._mets = [hook for hook in hooks if overrides(hook, "met")]
         self.met: dict[str, Any] | None = None
@@ -61,7 +61,7 @@ class Driver:
         reports: dict[str, Any] = {}
         for hook in self._hooks:
             try:
-                reports |= ask(hook, "report")
+                reports = together(reports, ask(hook, "report"))
                 self.simulation.notes += ask(hook, "notes")
             except AdcsError as error:  # the run itself is as good as it was
                 self.simulation.notes.append(str(error))

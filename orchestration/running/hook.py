@@ -32,15 +32,17 @@ class Hook:
     `end`, unless a component failed or ended the run, and `report` in any case.
     """
 
-    ends = False
-    """Whether it may end the run by what it sees in a row."""
-
     def __repr__(self) -> str:
         known = "".join(f" {name} = {value!r}" for name, value in self.for_manifest().items())
         return f"<{type(self).__name__}{known}>"
 
-    repeatable = False
-    """Whether the manifest knows all of it: then it takes part in isolated runs, and when a run is repeated."""
+    @property
+    def repeatable(self) -> bool:
+        """Whether the manifest knows all of it: then it takes part in isolated runs, and when a run is repeated.
+
+        That is said of its very class: one that is made of that may do more.
+        """
+        return bool(vars(type(self)).get("_repeatable", False))
 
     def for_manifest(self) -> Mapping[str, Any]:
         """Return what the manifest has to know to repeat it; of several hooks with the same it has a list."""
@@ -60,8 +62,11 @@ class Hook:
         return ()
 
     def ahead(self, k: int) -> int:
-        """Return how many points may be taken at once, from point k on; it may wait for the time to go on."""
-        return MOST
+        """Return how many points may be taken at once, from point k on; it may wait for the time to go on.
+
+        One by one, if it sees points or sets something at them and does not say otherwise.
+        """
+        return 1 if overrides(self, "after") or overrides(self, "changes") else MOST
 
     def met(self, times: Floats, rows: Floats) -> int | None:
         """Return the index of the first of these rows, at their times (s), with which the run is to end."""
@@ -81,6 +86,11 @@ class Hook:
     def report(self) -> Mapping[str, Any]:
         """Return what the manifest is to have of it."""
         return {}
+
+
+def overrides(hook: Hook, method: str) -> bool:
+    """Whether a hook has a method of its own."""
+    return getattr(type(hook), method) is not getattr(Hook, method)
 
 
 def listed(given: Any) -> list[Any]:

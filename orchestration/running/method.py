@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from math import inf, isfinite
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
@@ -12,9 +13,11 @@ import numpy as np
 from fmus.errors import AdcsError
 from orchestration import expected
 from orchestration.coupled import CoupledModel, CoupledSimulation, SolverName
+from orchestration.coupled.model import refuse
 from orchestration.fmu.file import FmiVersion, Kind
 from orchestration.plan.loops import LoopMethod, LoopSolver, loop_solver
 from orchestration.process.guard import Guard
+from orchestration.running import adaptive
 from orchestration.running.adaptive import AdaptiveSession
 from orchestration.running.session import Session, Stepping, rigid
 from orchestration.running.simulation import Simulation
@@ -45,6 +48,9 @@ class Method:
         """The timeout [s]."""
         return expected.seconds("timeout", self.timeout)
 
+    def refuse(self, system: System, fmi_version: FmiVersion) -> None:
+        """Refuse by name what this method cannot solve, before any component is there."""
+
     def rigid(self, system: System, fmi_version: FmiVersion) -> str | None:
         """Say why the last step may not be shorter than the others; None if it may."""
         raise NotImplementedError
@@ -62,7 +68,8 @@ class Method:
         given = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in ("loops", "timeout")}
         solver = loop_solver(self.loops)
         loops = {} if solver is None else {"solve_loops": asdict(solver)}
-        return {"method": self.kind, **{name: value for name, value in given.items() if value is not None}, **loops}
+        plain = {name: str(value) if isinstance(value, Path) else value for name, value in given.items()}
+        return {"method": self.kind, **{name: value for name, value in plain.items() if value is not None}, **loops}
 
     @classmethod
     def of_manifest(cls, settings: dict[str, Any]) -> Method:
@@ -97,9 +104,14 @@ class CoSimulation(Method):
         super().__post_init__()
         expected.choice("stepping", self.stepping, Stepping)
         if self.adaptive is not None:
-            expected.number("adaptive", self.adaptive)
+            object.__setattr__(self, "adaptive", expected.number("adaptive", self.adaptive))
             if not (isfinite(self.adaptive) and self.adaptive > 0):
                 raise AdcsError(f"adaptive = {self.adaptive}: expected a positive tolerance")
+
+    def refuse(self, system: System, fmi_version: FmiVersion) -> None:
+        """Refuse with adaptive steps what counts steps."""
+        if self.adaptive is not None:
+            adaptive.refuse(system)
 
     def rigid(self, system: System, fmi_version: FmiVersion) -> str | None:
         """Say which component takes steps of one length only."""
@@ -153,11 +165,15 @@ class ModelExchange(Method):
         super().__post_init__()
         expected.choice("solver", self.solver, SolverName)
         for name in ("rtol", "atol"):
-            expected.number(name, value := getattr(self, name))
+            object.__setattr__(self, name, value := expected.number(name, getattr(self, name)))
             if not isfinite(_positive(name, value)):
                 raise AdcsError(f"{name} = {value}: expected a positive number")
         if self.rtol < _MIN_RTOL:
             raise AdcsError(f"rtol = {self.rtol} is below what double precision can hold: use {_MIN_RTOL:.1e} or more")
+
+    def refuse(self, system: System, fmi_version: FmiVersion) -> None:
+        """Refuse what no differential equation can hold."""
+        refuse(system, fmi_version)
 
     def rigid(self, system: System, fmi_version: FmiVersion) -> str | None:
         """Steps are as long as the integrator likes."""

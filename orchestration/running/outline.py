@@ -11,6 +11,7 @@ import numpy as np
 from fmus.errors import AdcsError
 from orchestration.fmu.file import FmiVersion
 from orchestration.grid import Grid
+from orchestration.plan.changing import checked_change
 from orchestration.plan.lowering import Floats
 from orchestration.plan.outside import Source, Sources
 from orchestration.results.result import Recording
@@ -76,7 +77,13 @@ class Outline:
         made.files |= {} if resume is None else {"resume": Path(resume)}
         return made
 
+    def check(self) -> None:
+        """Refuse changes that could not be made when their time comes, with all that is known now."""
+        names = () if self.source is None else self.source.names
+        for change in self.changes:
+            checked_change(self.system, names, change.name, change.value)
+
     @property
     def source(self) -> Source | None:
         """What gives inputs their values at every point, if anything does."""
-        return Sources(self.sources) if self.sources else None
+        return Sources(self.sources, lambda name: len(self.system.end(name).elements)) if self.sources else None

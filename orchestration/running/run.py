@@ -73,8 +73,10 @@ def run(
         return run_apart(asked)
     grid = Grid.make(*system.run_times(start_time, stop_time, step), partial(method.rigid, system, fmi_version))
     outline = Outline.of(system, grid, method, save, fmi_version, resume)
+    method.refuse(system, fmi_version)
     for hook in hooks:
         ask(hook, "prepare", outline)
+    outline.check()
     account = Account(outline, hooks)
     guard = Guard(ThreadControl(), outline.recording.printed)
     with closing(guard), account.told():

@@ -28,7 +28,8 @@ class Save:
     def __post_init__(self) -> None:
         if self.names is not None:
             expected.texts("Save: names", self.names)
-        expected.count("Save: every", self.every, "a whole number of steps")
+            object.__setattr__(self, "names", tuple(self.names))
+        object.__setattr__(self, "every", expected.count("Save: every", self.every, "a whole number of steps"))
         if self.to is not None and not isinstance(self.to, Journal):
             expected.path("Save: to", self.to)
 

@@ -88,12 +88,18 @@ class Session:
         `system` may be a name or the path of a file where `adcs` is imported. The system's own step and start time
         count where none is given.
 
-        `stop_time` is the time of the last point, if the step to it is shorter than the others. The FMUs are told a
-        stop time that is beyond it by roundings, unless it `may_go_on` after it.
+        It has so many `steps`, or as many as there are until `stop_time`, or no end; given with `steps`, `stop_time` is
+        the time of the last point, if the step to it is shorter than the others. The FMUs are told a stop time that is
+        beyond it by roundings, unless it `may_go_on` after it.
         """
         system = as_system(system, step)
         arguments.check(Session, locals())
         start_time, _, step = system.run_times(start_time, 0.0, step)
+        if stop_time is not None and steps == ENDLESS:
+            points = Grid.make(
+                start_time, expected.seconds("stop_time", stop_time), step, partial(rigid, system, fmi_version)
+            )
+            steps, stop_time = points.steps, points.stop
         stop_time = None if stop_time is None else expected.seconds("stop_time", stop_time)
         solver = loop_solver(loops)
         choice("fmi_version", fmi_version, FmiVersion)
@@ -156,13 +162,20 @@ class Session:
             self._guard, self._where = guard, where or Where()
             self.source: Source | None = None
             self.k = 0
+            self._closed = False
             self._stack = stack.pop_all()
 
     def __enter__(self) -> Session:
         return self
 
     def __exit__(self, *error: Any) -> None:
+        self._closed = True
         self._stack.__exit__(*error)
+
+    def _open(self) -> None:
+        """Refuse what components would be asked for that are gone."""
+        if self._closed:
+            raise AdcsError("the session is closed, and its components with it: use it within its `with`")
 
     def __iter__(self) -> Iterator[tuple[float, dict[str, Floats]]]:
         """Yield (t_k, values by name) at every communication point, before stepping on from it."""
@@ -232,6 +245,7 @@ class Session:
 
     def propagate(self) -> None:
         """Fetch all outputs and hand them on, at the present point; see whether a component ends the simulation."""
+        self._open()
         if self.k > self.grid.full:
             self._propagate_off_grid()
         else:
@@ -240,6 +254,9 @@ class Session:
 
     def move_on(self) -> None:
         """Step all components to the next point. EndRequested if a component ends the simulation on the way."""
+        self._open()
+        if self.k >= self.last:
+            raise AdcsError(f"the session is at its last point, t = {self.time:g} s: there is no step from there")
         if self.k == self.grid.full and self.grid.shorter:
             self.shorter_step()
             return
@@ -357,6 +374,7 @@ class Session:
 
     def set(self, name: str, value: Value) -> None:
         """Set an input that nothing feeds, or a tunable parameter, at the present point."""
+        self._open()
         component, port, values = self.check_change(name, value)
         with failing_at(self.time):
             instance = self.instances[component]
@@ -383,6 +401,7 @@ class Session:
 
     def save(self) -> Snapshot:
         """Return a copy of all that is remembered at the present point; to be freed."""
+        self._open()
         for instance in self.instances.values():
             if not instance.can_save:
                 raise AdcsError(f"{instance.name} ({instance.fmu.path.name}) cannot save its state")
@@ -391,6 +410,9 @@ class Session:
 
     def restore(self, snapshot: Snapshot) -> None:
         """Go back to a snapshot."""
+        self._open()
+        if not isinstance(snapshot, Snapshot):
+            raise expected.refused("snapshot", snapshot, "what `save` returned")
         self.k, self.ended, self._shortened = snapshot.k, None, False
         for instance in self.instances.values():
             instance.wants_end = False

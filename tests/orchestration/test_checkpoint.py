@@ -121,6 +121,8 @@ def test_refused(tmp_path, chain):
     refused(t5(), "is not a checkpoint of this program", resume=tmp_path / "text")
     state.write_bytes(state.read_bytes()[:1000])
     refused(t5(), "is not a checkpoint of this program", resume=state)
+    refused(t5(), "state: a file that is no checkpoint is there: give another name", hooks=[adcs.checkpoint(state)])
+    state = tmp_path / "another"
     refused(chain(), "cannot save its state to a file", hooks=[adcs.checkpoint(state)])
     slow = t5()
     slow.components["tracker"].every = 3

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from adcs import AdcsError, Hook, ModelExchange, RunFailed, run
+from adcs import AdcsError, CoSimulation, Hook, LoopSolver, ModelExchange, RunFailed, Save, at, rerun, run, until
 
 TIMES = {"stop_time": 1, "step": 0.1}
 PAIRS = "expected a list of names and values, [(name, value)]"
@@ -37,7 +37,7 @@ def mine(method, answer):
         ("met", -1, 11, f"Mine.met returned -1: {ROWS}"),
         ("met", 11, 11, f"Mine.met returned 11: {ROWS}"),
         ("met", fails, 11, "Mine.met raised ZeroDivisionError: division by zero"),
-        ("after", fails, 11, "Mine.after raised ZeroDivisionError: division by zero"),
+        ("after", fails, 1, "Mine.after raised ZeroDivisionError: division by zero"),
         ("end", fails, 11, "Mine.end raised ZeroDivisionError: division by zero"),
     ],
 )
@@ -83,6 +83,102 @@ def test_what_it_cannot_tell_at_the_end_is_a_warning(chain, method, answer, said
     result = run(chain(), **TIMES, hooks=[mine(method, answer)])
     assert result.manifest["warnings"] == [said]
     assert result == run(chain(), **TIMES)
+
+
+class Given:
+    """A source whose values are whatever it is told."""
+
+    names = ("plant.torque_disturbance_B",)
+
+    def __init__(self, made):
+        self.at = lambda times: made(len(times))
+
+    def jump(self, after):
+        return float("inf")
+
+
+@pytest.mark.parametrize("method", [CoSimulation(), CoSimulation(adaptive=1e-3), ModelExchange()], ids=str)
+@pytest.mark.parametrize(
+    ("made", "said"),
+    [
+        (
+            lambda n: np.zeros((n, 4)),
+            r"^Given\.at returned values of shape \(\d+, 4\): expected \(\d+, 3\), a row",
+        ),
+        (lambda n: np.zeros(3), r"^Given\.at returned values of shape \(3,\): expected"),
+        (lambda n: None, r"^Given\.at returned values of shape \(\): expected"),
+        (lambda n: "x", r"^Given\.at raised ValueError: could not convert string to float: 'x'"),
+        (fails, r"^Given\.at raised ZeroDivisionError: division by zero"),
+    ],
+)
+def test_a_source_gives_a_row_of_numbers_for_each_time(method, made, said):
+    class Fed(Hook):
+        def prepare(self, outline):
+            outline.sources.append(Given(made))
+
+    with pytest.raises(AdcsError, match=said):
+        run("observer-pd", **TIMES, method=method, hooks=[Fed()])
+
+
+def test_what_sees_points_or_sets_something_is_asked_at_each():
+    class Sets(Hook):
+        seen = 0
+
+        def changes(self, k):
+            return [("controller.k_p", 3.0)] if k == 20 else []
+
+        def after(self, point, time):
+            self.seen += 1
+
+    sets = Sets()
+    result = run("observer-pd", stop_time=1, step=0.01, hooks=[sets])
+    assert result == run("observer-pd", stop_time=1, step=0.01, hooks=[at(0.2, {"controller.k_p": 3.0})])
+    assert sets.seen == 101
+
+
+def test_two_reports_under_one_name_are_a_list(chain):
+    hooks = [mine("report", {"peak": 1}), mine("report", {"peak": 2}), mine("report", {"own": [3]})]
+    manifest = run(chain(), **TIMES, hooks=hooks).manifest
+    assert (manifest["peak"], manifest["own"]) == ([1, 2], [3])
+
+
+def test_what_is_made_of_a_hook_of_this_package_is_one_of_ones_own(chain):
+    class Later(type(until("time > 0.4"))):
+        def met(self, times, rows):
+            return None
+
+    result = run(chain(), **TIMES, hooks=[Later("time > 0.4")])
+    assert (result.time[-1], result.manifest["watchers"]) == (1.0, ["Later"])
+    with pytest.raises(AdcsError, match=r"^hooks: Later is part of this process, and cannot take part in an isolated"):
+        run(chain(), **TIMES, hooks=[Later("time > 0.4")], isolated=True)
+
+
+def test_values_are_those_of_when_they_were_given():
+    values, names = np.array([1.0, 0.0, 0.0]), ["plant.q_BN"]
+    change, save = at(0.5, {"plant.torque_disturbance_B": values}), Save(names)
+    values[:] = 99
+    names.append("plant.nothing")
+    result = run("observer-pd", **TIMES, hooks=[change], save=save)
+    assert result.manifest["settings"]["changes"] == [[0.5, "plant.torque_disturbance_B", [1.0, 0.0, 0.0]]]
+    assert list(result) == ["plant.q_BN"]
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        {"save": Save(every=np.int64(2))},
+        {"method": CoSimulation(adaptive=np.float32(1e-3))},
+        {"method": ModelExchange(rtol=np.float32(1e-8))},
+        {"method": CoSimulation(loops=LoopSolver(tolerance=np.float32(1e-8), max_iterations=np.int64(9)))},
+        {"hooks": [at(0.5, {"controller.k_p": np.float32(3)})]},
+        {"stop_time": np.float32(0.5), "step": np.float64(0.25)},
+    ],
+    ids=str,
+)
+def test_numbers_of_numpy_go_into_the_manifest(parts, tmp_path):
+    result = run("observer-pd", **{**TIMES, **parts})
+    result.write_manifest(tmp_path / "manifest.json")
+    assert rerun(tmp_path / "manifest.json").result == result
 
 
 def test_numbers_of_numpy_are_answers(chain, tmp_path):

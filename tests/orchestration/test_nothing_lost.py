@@ -196,7 +196,7 @@ def test_checkpoints_that_cannot_be_written_are_one_line_and_the_run_goes_on(cap
     assert result.manifest["warnings"] == [f"no checkpoint at t = 0.3, 0.6, 0.9, ... s: {told}"]
     assert result.manifest["outcome"] == {"status": "complete", "rows": 101}
     assert np.array_equal(result.data, run(loop.system(), **common).data)
-    with pytest.raises(AdcsError, match=f"^cannot write {tmp_path}: it is a folder$"):
+    with pytest.raises(AdcsError, match=f"^checkpoint = {tmp_path}: it is a folder: give the name of a file in it$"):
         run(loop.system(), **common, hooks=[checkpoint(tmp_path)])
 
 

@@ -87,3 +87,30 @@ def test_a_folder_without_a_name_is_refused(tmp_path: Path, monkeypatch: pytest.
     message = r"^\. holds the results of another run, and has no name to put a number to: give another folder by --out"
     with pytest.raises(AdcsError, match=message), new_results(Path(), replace=False):
         pass
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--checkpoint", "c.npz", "--adaptive", 1e-3),
+        ("--mavlink", "--method", "model-exchange"),
+        ("--delay", "plant.torque_B=1", "--method", "model-exchange"),
+        ("--every", "controller=2", "--adaptive", 1e-3),
+        ("--at", "0.5s", "tracker.seed=3"),
+        ("--checkpoint", "."),
+        ("--input-table", "t.csv", "--at", "0.5s", "plant.torque_disturbance_B=1,2,3"),
+        ("--resume", "other.npz"),
+    ],
+    ids=str,
+)
+def test_words_that_do_not_go_together_leave_all_as_it_was(tmp_path: Path, words: tuple[object, ...]) -> None:
+    (tmp_path / "t.csv").write_text("time,plant.torque_disturbance_B[1]\n0,0\n")
+    code, _, err = adcs("run", "full-state-pd", *SHORT, "--checkpoint", "other.npz", "--out", "other", cwd=tmp_path)
+    assert code == 0, err
+    adcs("run", "observer-pd", *SHORT, "--out", "out", cwd=tmp_path)
+    before = {file.name: file.read_bytes() for file in (tmp_path / "out").iterdir()}
+    for force in ((), ("--force",)):
+        code, _, err = adcs("run", "observer-pd", *SHORT, "--out", "out", *words, *force, cwd=tmp_path)
+        assert (code, len(err.splitlines())) == (2, 1), err
+        assert {file.name: file.read_bytes() for file in (tmp_path / "out").iterdir()} == before
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["other", "other.npz", "out", "t.csv"]

@@ -11,6 +11,10 @@ ROOT = Path(__file__).parents[2]
 FIELD = '''
     damping: float = field(default=1.0, kw_only=True)
     """How much of each exchanged value is taken."""
+    longest: Seconds | None = field(default=None, kw_only=True)
+    """The longest of something."""
+    order: int = field(default=4, kw_only=True)
+    """How often."""
 '''
 CLASS = '    kind: ClassVar[Kind] = "co-simulation"\n'
 
@@ -39,9 +43,14 @@ def test_a_field_is_argument_option_help_manifest_and_rerun(tmp_path):
 
     help_ = " ".join(adcs("run", "--help").stdout.replace("│", "").split())
     assert "--damping FLOAT How much of each exchanged value is taken. [default: 1.0]" in help_
+    assert "--longest TIME The longest of something." in help_
     run = ("run", "observer-pd", "--stop", "1s", "--no-report", "--out", "first")
-    assert adcs(*run, "--damping", "0.5").returncode == 0
-    assert json.loads((tmp_path / "first" / "manifest.json").read_text())["settings"]["damping"] == 0.5
+    assert adcs(*run, "--damping", "0.5", "--longest", "2min", "--order", "3").returncode == 0
+    settings = json.loads((tmp_path / "first" / "manifest.json").read_text())["settings"]
+    assert (settings["damping"], settings["longest"], settings["order"]) == (0.5, 120.0, 3)
+    for option, word in (("--longest", "soon"), ("--order", "1.5")):
+        wrong = adcs(*run, option, word)
+        assert wrong.returncode == 2 and option in wrong.stderr and wrong.stderr.count("\n") == 1
     again = adcs("rerun", "first", "--json")
     assert json.loads(again.stdout)["differences"] == []
     assert json.loads((tmp_path / "first-2" / "manifest.json").read_text())["settings"]["damping"] == 0.5

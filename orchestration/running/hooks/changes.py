@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from copy import deepcopy
 from dataclasses import replace
 from typing import Any
 
@@ -23,11 +24,11 @@ from orchestration.times import Seconds
 class Changes(Hook):
     """Unconnected inputs and tunable parameters get values at times (s) that are communication points."""
 
-    repeatable = True
+    _repeatable = True
 
     def __init__(self, changes: Sequence[tuple[Seconds, str, Value]]) -> None:
         """`changes` are times, names `component.variable` and values."""
-        self._given = [(expected.seconds("at: time", time), n, v) for time, n, v in changes]
+        self._given = [(expected.seconds("at: time", time), n, deepcopy(v)) for time, n, v in changes]
 
     def for_manifest(self) -> Mapping[str, Any]:
         """Return what the manifest has to know to repeat it."""
@@ -93,4 +94,4 @@ def _refuse_two_names(system: System, changes: Sequence[Change]) -> None:
 
 
 def _plain(value: Value) -> Any:
-    return value.tolist() if isinstance(value, np.ndarray) else value
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value

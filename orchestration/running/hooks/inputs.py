@@ -131,7 +131,7 @@ def _known(system: System, text: str) -> tuple[str, str | None]:
 class Inputs(Hook):
     """Unconnected inputs follow a CSV table: columns `time` [s] and `component.variable`."""
 
-    repeatable = True
+    _repeatable = True
 
     def __init__(self, path: str | Path) -> None:
         expected.path("inputs", path)

@@ -68,11 +68,10 @@ class Clock:
 class Pace(Hook):
     """The run keeps to real time, or is `speed` times as fast."""
 
-    repeatable = True
+    _repeatable = True
 
     def __init__(self, speed: float = 1.0) -> None:
-        expected.number("pace: speed", speed)
-        self._speed = speed
+        self._speed = expected.number("pace: speed", speed)
 
     def for_manifest(self) -> Mapping[str, Any]:
         """Return what the manifest is to have of it."""

@@ -11,8 +11,7 @@ from fmus.errors import AdcsError
 from orchestration import expected
 from orchestration.grid import whole_steps
 from orchestration.running import checkpoint as file
-from orchestration.running.adaptive import AdaptiveSession
-from orchestration.running.hook import MOST, Hook, Watched, together
+from orchestration.running.hook import MOST, Hook, Watched, overrides, together
 from orchestration.running.outline import Outline
 from orchestration.running.session import Session
 from orchestration.running.simulation import Simulation
@@ -25,7 +24,7 @@ class Saves(Hook):
     A file that cannot be written does not end the run: one line on stderr says so at once, and `notes` at the end.
     """
 
-    repeatable = True
+    _repeatable = True
 
     def __init__(self, path: str | Path, every: Seconds | None = None) -> None:
         """`every` is in s of simulated time."""
@@ -36,6 +35,9 @@ class Saves(Hook):
         self._one_by_one = False
         self._missing: list[float] = []  # s, times of those that could not be written
         self._trouble = ""
+
+    def __repr__(self) -> str:
+        return f"<Saves path = {str(self._path)!r}{'' if self._seconds is None else f' every = {self._seconds:g} s'}>"
 
     def prepare(self, outline: Outline) -> None:
         """Refuse what is no time."""
@@ -48,16 +50,23 @@ class Saves(Hook):
             if not self._seconds > 0:
                 raise AdcsError(f"checkpoint: every = {self._seconds:g} s: expected a positive time")
             self._every = whole_steps(self._seconds, outline.grid.step, "checkpoint: every")
+        if not outline.method.may_resume():
+            raise AdcsError("checkpoint: not together with adaptive exchange steps, whose choice it does not hold")
+        if self._path.is_dir():
+            raise AdcsError(f"checkpoint = {self._path}: it is a folder: give the name of a file in it")
+        if self._path.is_file() and not file.is_checkpoint(self._path):
+            raise AdcsError(f"checkpoint = {self._path}: a file that is no checkpoint is there: give another name")
         outline.may_go_on = True
         outline.about = together(outline.about, {"checkpoint": {"path": str(self._path), "every": self._seconds}})
 
     def begin(self, simulation: Simulation, hooks: Sequence[Hook], watched: Watched) -> None:
         """Refuse by name what cannot be saved, or not then."""
-        if isinstance(simulation, AdaptiveSession) or not isinstance(simulation, Session):
-            raise AdcsError("checkpoint: not together with adaptive exchange steps, whose choice it does not hold")
+        assert isinstance(simulation, Session)
         self._simulation, self._watched = simulation, watched
         file.check(simulation, self._path)
-        self._one_by_one = any(hook.ends for hook in hooks)  # the state has to be that of the row that meets it
+        self._one_by_one = any(
+            overrides(hook, "met") for hook in hooks
+        )  # the state has to be that of the row that meets it
         if self._one_by_one and any(component.every > 1 for component in simulation.system.components.values()):
             raise AdcsError("checkpoint: not together with until, where a component communicates at some points only")
         for k in (simulation.grid.full, *([] if self._every is None else [self._every])):

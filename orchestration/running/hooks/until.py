@@ -15,8 +15,7 @@ from orchestration.running.outline import Outline
 class Until(Hook):
     """The run ends with the first row that meets a condition, as "norm(plant.omega_BN_B) < 1e-3 and time > 20"."""
 
-    ends = True
-    repeatable = True
+    _repeatable = True
 
     def __init__(self, condition: str) -> None:
         expected.text("until", condition)

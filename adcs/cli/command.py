@@ -58,7 +58,9 @@ def group(title: str) -> Callable[[type[_Class]], type[_Class]]:
             own[name] = copy(field)
             own[name].kw_only = True  # also what is inherited: options have names
         hints = get_type_hints(options, include_extras=True)  # each in the module where it stands
-        options.__init__.__annotations__ |= {name: _WRITTEN.get(hints[name], hints[name]) for name in own}
+        written = {name: _WRITTEN.get(hints[name], hints[name]) for name in own}
+        options.__annotations__ = options.__annotations__ | written
+        options.__init__.__annotations__ |= written
         return Parameter(name="*", group=Group(title, sort_key=place))(options)
 
     return made

@@ -8,8 +8,9 @@ from functools import wraps
 from pathlib import Path
 from typing import ParamSpec, TypeVar
 
-from adcs.catalogue import find_system, fmus_meant
+from adcs.catalogue import find_system, fmus_meant, names_system
 from adcs.renamed import refuse_old
+from fmus.catalog import is_header
 from fmus.check import Finding
 from orchestration import expected, named
 from orchestration.checking import check as check_fmu
@@ -19,7 +20,6 @@ from orchestration.running.run import run as run_system
 from orchestration.running.session import Session as Session
 from orchestration.running.session import steps as steps
 from orchestration.ssp import write_ssp as write_ssp
-from orchestration.ssp.names import is_ssp
 from orchestration.system import System
 from orchestration.times import Seconds
 
@@ -50,9 +50,10 @@ def check(fmu: str | Path) -> list[Finding]:
     """Everything that is found in an FMU that it or a run should not have; empty if it is fine.
 
     `fmu` is the path of an `.fmu`, the name of a built component, whose FMUs are looked at, or a system, each of whose
-    components is: its name, or the path of its `.ssp`.
+    components is: its name, or the path of its `.ssp` or `.py`.
     """
-    if not isinstance(fmu, str | Path) or Path(fmu).suffix == ".fmu" or (Path(fmu).is_file() and not is_ssp(fmu)):
+    meant = isinstance(fmu, str | Path) and (names_system(str(fmu)) or is_header(fmu) or not Path(fmu).is_file())
+    if not meant or Path(fmu).suffix == ".fmu":
         return check_fmu(fmu)
     found = ((path.name, finding) for path in fmus_meant(str(fmu)) for finding in check_fmu(path))
     return [replace(finding, message=f"{name}: {finding.message}") for name, finding in found]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import logging
 import pkgutil
 from importlib import import_module
 from pathlib import Path
 
-from adcs import library
+from adcs import library, others
 from adcs.library.entry import StudyEntry
 from fmus import catalog
 from fmus.built import fmus_of
@@ -17,6 +18,8 @@ from orchestration.entry import SystemEntry
 from orchestration.from_file import component_alone, is_file, system_from_file
 from orchestration.from_python import is_python
 from orchestration.ssp.names import is_ssp
+
+_log = logging.getLogger("adcs")
 
 # Each folder of `library` brings its own, in its module `catalogue`.
 _BROUGHT = [
@@ -29,8 +32,26 @@ STUDIES: dict[str, StudyEntry] = {entry.name: entry for brought in _BROUGHT for 
 
 
 def systems() -> dict[str, SystemEntry]:
-    """Return the registered systems by name; `systems()["observer-pd"].build()` is the system itself."""
-    return dict(SYSTEMS)
+    """Return the systems by name, those of other packages, too; `systems()["observer-pd"].build()` is the system."""
+    found = dict(SYSTEMS)
+    for name, point in others.names().items():
+        try:
+            found.setdefault(name, others.load(point))
+        except AdcsError as error:  # which is theirs, and no reason to hide all others
+            _log.warning(str(error))
+    return found
+
+
+def descriptions() -> dict[str, str]:
+    """Return what each system is; of one that another package brings, and that cannot be loaded, why."""
+    told = {name: entry.description for name, entry in SYSTEMS.items()}
+    for name, point in others.names().items():
+        if name not in told:
+            try:
+                told[name] = others.load(point).description
+            except AdcsError as error:
+                told[name] = str(error)
+    return told
 
 
 def studies() -> dict[str, StudyEntry]:
@@ -48,7 +69,7 @@ def find_component(name: str) -> Component:
 
 def names_system(name: str) -> bool:
     """Whether a name is that of a system, or of a file with one; not that of a component, which can be one as well."""
-    return name in SYSTEMS or is_ssp(name) or is_python(name)
+    return name in SYSTEMS or is_ssp(name) or is_python(name) or name in others.names()
 
 
 def fmus_meant(name: str) -> list[Path]:
@@ -71,10 +92,13 @@ def find_system(name: str) -> SystemEntry:
     if is_file(name):
         return system_from_file(name)
     if name not in SYSTEMS:
+        brought = others.names()
+        if name in brought:
+            return others.load(brought[name])
         components = [component.name for component in catalog.components()]
         if name in components:
             return component_alone(name)
-        meant = close(name, [*SYSTEMS, *components])
+        meant = close(name, [*SYSTEMS, *brought, *components])
         hint = f"did you mean {meant}? " if meant else ""
         raise AdcsError(f"no system {shown(repr(name))}: {hint}{_WAY_OUT}")
     return SYSTEMS[name]

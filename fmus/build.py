@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -63,7 +64,7 @@ def build(
     with _compiled(components, targets, work, progress, len(FILE_NAMES)) as (plans, count):
         built = []
         for plan in plans:
-            for path in plan.pack(dist):
+            for path in plan.pack(plan.component.header.parent if plan.component.outside else dist):
                 count(path.name)
                 built.append(path)
     if not names:
@@ -139,8 +140,12 @@ class _Plan:
 
     def __init__(self, component: Component, targets: Sequence[Target], work: Path) -> None:
         self.component = component
-        self._work = work
-        self._model = work / "models" / component.name / "model.cpp"
+        self._work = self._own = work
+        self._roots = () if component.root is None else (component.root,)
+        if component.outside:
+            self._own = work / "outside" / hashlib.sha256(str(component.header).encode()).hexdigest()[:12]
+        self._include = tuple(f"-I{root}" for root in self._roots)
+        self._model = self._own / "models" / component.name / "model.cpp"
         code = f'#include "{component.include}"\n#include "fmi/export.hpp"\n\nADCS_EXPORT({component.name})\n'
         if not self._model.is_file() or self._model.read_text(encoding="utf-8") != code:
             write_atomically(self._model, code.encode())
@@ -148,12 +153,15 @@ class _Plan:
         self._adaptor = {(t, s): self._compile_adaptor(s, t) for t in targets for s in ADAPTOR}
         headers = {t: self._header("export", t) for t in targets}
         self._models = {
-            t: compile_step(self._model, self._object(component.name, t), t, header=headers[t]) for t in targets
+            t: compile_step(
+                self._model, self._object(component.name, t, self._own), t, *self._include, header=headers[t]
+            )
+            for t in targets
         }
         self._binaries = {
             t: link_step(
                 [self._models[t].output, *(self._adaptor[t, s].output for s in ADAPTOR)],
-                work / "binaries" / t.name / (component.name + t.suffix),
+                self._own / "binaries" / t.name / (component.name + t.suffix),
                 t,
             )
             for t in targets
@@ -163,14 +171,21 @@ class _Plan:
         header = self._header("describe", machine, flag)
         describe = [
             compile_step(
-                self._model, self._object(f"describe_{component.name}", machine), machine, flag, header=header
+                self._model,
+                self._object(f"describe_{component.name}", machine, self._own),
+                machine,
+                flag,
+                *self._include,
+                header=header,
             ),
             compile_step(SOURCES / "fmi" / "describe.cpp", self._object("describe", machine), machine, flag),
             self._compile_adaptor("instance", machine),
             self._compile_adaptor("saved_state", machine),
             self._compile_adaptor("runtime", machine),
         ]
-        self.describe_link = program_step([s.output for s in describe], work / "describe" / component.name, machine)
+        self.describe_link = program_step(
+            [s.output for s in describe], self._own / "describe" / component.name, machine
+        )
         self.headers = [header, *headers.values()]
         self.compiles = [*describe, *self._adaptor.values(), *self._models.values()]
         self.links = [self.describe_link, *self._binaries.values()]
@@ -208,18 +223,28 @@ class _Plan:
         first = next(iter(self._models))
         steps = [self._models[first], *(self._adaptor[first, s] for s in ADAPTOR if s != skipped)]
         files = dict.fromkeys(file for step in steps for file in (*step.inputs, *included_files(step)))
-        own = [file for file in files if file.is_relative_to(SOURCES)]
+        own = {
+            file.relative_to(root).as_posix(): file.read_bytes()
+            for root in (SOURCES, *self._roots)
+            for file in files
+            if file.is_relative_to(root)
+        }
         return {
             self._model.name: self._model.read_bytes(),
-            **{file.relative_to(SOURCES).as_posix(): file.read_bytes() for file in own},
+            **own,
             **amalgamated([file for file in files if file.is_relative_to(EIGEN)], EIGEN),
         }
 
     def _made_of(self) -> dict[str, str]:
-        """Return the files of `src/` that went into binaries and description, with the digests of their contents."""
+        """Return the files that went into binaries and description, with the digests of their contents.
+
+        Those of `src/` go by their names there, those of a component from elsewhere by their paths.
+        """
         included = {file for step in (*self.headers, *self.compiles) for file in included_files(step)}
         files = included | {file for step in self.links for file in step.inputs}
-        return {f.relative_to(SOURCES).as_posix(): digest(f) for f in sorted(files) if f.is_relative_to(SOURCES)}
+        inside = {f.relative_to(SOURCES).as_posix(): digest(f) for f in sorted(files) if f.is_relative_to(SOURCES)}
+        outside = {str(f): digest(f) for root in self._roots for f in sorted(files) if f.is_relative_to(root)}
+        return inside | outside
 
     def _compile_adaptor(self, name: str, target: Target) -> Step:
         return compile_step(SOURCES / "fmi" / f"{name}.cpp", self._object(name, target), target)
@@ -228,5 +253,5 @@ class _Plan:
         output = self._object(name, target).with_suffix(".pch")
         return header_step(SOURCES / "fmi" / "export.hpp", output, target, *flags)
 
-    def _object(self, name: str, target: Target) -> Path:
-        return self._work / "objects" / target.name / f"{name}.o"
+    def _object(self, name: str, target: Target, work: Path | None = None) -> Path:
+        return (work or self._work) / "objects" / target.name / f"{name}.o"

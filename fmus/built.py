@@ -18,7 +18,7 @@ def built(component: Component) -> dict[str, Path]:
 
 def all_built() -> list[Path]:
     """Every FMU that is built, anew if need be; AdcsError if there is none."""
-    found = [fmu_path(component.name, version) for component in catalog.components() for version in built(component)]
+    found = [fmu_path(component.source, version) for component in catalog.components() for version in built(component)]
     if not found:
         raise Failed("no FMU is built yet: name a component, as in: adcs check RigidBody")
     return found
@@ -26,4 +26,4 @@ def all_built() -> list[Path]:
 
 def fmus_of(component: Component) -> list[Path]:
     """Return the FMUs of a component, built if need be; AdcsError if they cannot be."""
-    return [fmu_path(component.name, version) for version in FILE_NAMES]
+    return [fmu_path(component.source, version) for version in FILE_NAMES]

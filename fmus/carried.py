@@ -97,7 +97,7 @@ def compiled(name: str, target: Target) -> bytes | None:
 
 
 def _known(component: Component) -> dict[str, Any] | None:
-    known = _index().get(component.name)
+    known = None if component.outside else _index().get(component.name)
     if known is None or any(digest(f"{SOURCES}/{name}") != content for name, content in known["made_of"].items()):
         return None
     return known

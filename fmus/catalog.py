@@ -1,8 +1,8 @@
-"""The components: one C++ header each, found in the source tree."""
+"""The components: one C++ header each, found in the source tree, or where somebody else has it."""
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -23,17 +23,29 @@ KINDS = {
 
 @dataclass(frozen=True)
 class Component:
-    """A component header `src/<folder>/<snake_case>.hpp` that defines `struct CamelCase`."""
+    """A component header `src/<folder>/<snake_case>.hpp`, or any other one, that defines `struct CamelCase`."""
 
     name: str
     kind: str
     header: Path
     summary: str
+    root: Path | None = None
+    """The folder from which a header from elsewhere is included, and others beside it."""
 
     @property
     def include(self) -> str:
         """How C++ code includes the header."""
-        return self.header.relative_to(SOURCES).as_posix()
+        return self.header.relative_to(self.root or SOURCES).as_posix()
+
+    @property
+    def outside(self) -> bool:
+        """Whether it is none of this project's."""
+        return self.root is not None
+
+    @property
+    def source(self) -> str:
+        """What it is found by: its name, or the path of a header from elsewhere."""
+        return str(self.header) if self.outside else self.name
 
     @property
     def text(self) -> str:
@@ -52,8 +64,33 @@ def components() -> list[Component]:
     return [component for header, kind in headers if (component := _component(header, kind))]
 
 
+def is_header(name: str | Path) -> bool:
+    """Whether this is the path of a component's header."""
+    return Path(name).suffix == ".hpp"
+
+
+def from_header(path: Path) -> Component:
+    """The component that a header from anywhere declares; AdcsError in one line if it declares none."""
+    header = path.absolute()
+    if not header.is_file():
+        raise AdcsError(f"{path} is no file")
+    found = _component(header, "controller")
+    if found is None:
+        raise AdcsError(f"{path} declares no component: `adcs new controller my_law` writes one to begin with")
+    said = re.search(r'\bkind\s*=\s*"(\w*)"', header.read_text(encoding="utf-8"))
+    kind = said[1] if said else KINDS.get(header.parent.name, found.kind)
+    if kind not in KINDS.values():
+        raise AdcsError(f"{path}: kind = {kind!r} is unknown: use {' or '.join(KINDS.values())}")
+    return replace(found, kind=kind, header=header, root=header.parent)
+
+
 def find(name: str, others: Iterable[str] = ()) -> Component:
-    """The component called `name`; AdcsError if there is none, which one of the `others` may have been meant by."""
+    """The component called `name`, or declared in this header; AdcsError if there is none.
+
+    One of the `others` may have been meant instead.
+    """
+    if is_header(name):
+        return from_header(Path(name))
     file = re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower() + ".hpp"
     for folder, kind in KINDS.items():  # where it should be; reading all of them takes a hundred times as long
         found = _component(SOURCES / folder / file, kind)

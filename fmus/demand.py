@@ -33,7 +33,8 @@ def fmu_path(name: str, fmi_version: str = "2.0") -> Path:
 
 def place(component: Component, fmi_version: str) -> Path:
     """Where the FMU is if it is built."""
-    return paths.DIST / FILE_NAMES[fmi_version].format(component.name)
+    folder = component.header.parent if component.outside else paths.DIST
+    return folder / FILE_NAMES[fmi_version].format(component.name)
 
 
 def _make(component: Component, why: str) -> None:
@@ -48,4 +49,4 @@ def _make(component: Component, why: str) -> None:
     if not toolchain.is_installed():
         raise Failed(f"{why}, and no compiler is installed to build it: {toolchain.INSTALL}")
     _log.info(f"{why}: building {component.name}")
-    build([component.name], dist=paths.DIST, work=paths.BUILD)
+    build([component.source], dist=paths.DIST, work=paths.BUILD)

@@ -84,7 +84,7 @@ def outdated(fmu: Path, platform: str, compiler: str = "") -> str | None:
     record = read_record(fmu)
     if record is None:
         return "is not as it was built"
-    changed = [name for name, known in record.sources.items() if digest(f"{SOURCES}/{name}") != known]
+    changed = [name for name, known in record.sources.items() if digest(str(SOURCES / name)) != known]
     if changed:
         first = min(changed, key=lambda name: (name.startswith("fmi/"), name))
         more = f" (and {len(changed) - 1} more)" if len(changed) > 1 else ""

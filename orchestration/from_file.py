@@ -24,8 +24,8 @@ _MOST_CURVES = 9  # in one panel: a 3 x 3 matrix
 
 
 def is_file(name: str) -> bool:
-    """Whether a name is that of a file that holds a system: `.ssp`, a structure in one, `.py`, or `.fmu`."""
-    return is_ssp(name) or is_python(name) or Path(name).suffix == ".fmu"
+    """Whether a name is that of a file that holds a system: `.ssp`, a structure in one, `.py`, `.fmu` or `.hpp`."""
+    return is_ssp(name) or is_python(name) or Path(name).suffix in (".fmu", ".hpp")
 
 
 def system_from_file(name: str) -> SystemEntry:
@@ -43,14 +43,19 @@ def from_anywhere(name: str) -> str:
     if is_python(name):
         path, inside = python_named(name)
         return str(path.absolute()) + (f":{inside}" if inside else "")
-    return str(Path(name).absolute()) if Path(name).suffix == ".fmu" else name
+    return str(Path(name).absolute()) if Path(name).suffix in (".fmu", ".hpp") else name
 
 
 def _from_python(name: str) -> SystemEntry:
     """Return the system of a Python file; its name is that of the system, which is that of the results' folder."""
     system = system_from_python(name)
+    return entry_of(system, system.name)
+
+
+def entry_of(system: System, name: str) -> SystemEntry:
+    """Return a system with a name, and with times where it has none."""
     own = system.times or Times(0.0, _STOP, _STOP / _STEPS, ("stop_time", "step"))
-    return _entry(system.name, system, own.start, own.stop, own.step, own.assumed)
+    return _entry(name, system, own.start, own.stop, own.step, own.assumed)
 
 
 def _from_ssp(name: str) -> SystemEntry:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from fmus.catalog import find
 from orchestration.system import NUMERIC, System
 
 
@@ -17,7 +18,7 @@ def single(fmu: str | Path, start: Mapping[str, Any] | None = None) -> System:
     Inputs that have no start value, here or in the FMU, are zero. `start` may name variables without the component.
     """
     path = Path(fmu)
-    name = path.name.partition(".")[0] if path.suffix == ".fmu" else str(fmu)
+    name = path.name.partition(".")[0] if path.suffix == ".fmu" else find(str(fmu)).name
     system = System(name)
     system.add(name, fmu)
     component = system.components[name]

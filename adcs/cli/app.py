@@ -19,6 +19,7 @@ _FILES = {
     "info": "info",
     "check": "check",
     "fmus": "copies",
+    "new": "new",
     "run": "run",
     "open": "opening",
     "rerun": "rerun",

@@ -56,7 +56,7 @@ def info(
 def _show_component(component: Component, as_json: bool) -> None:
     """Print what a component declares, which the component itself is asked for."""
     with at_work(), ERR.status("asking the component ...") if not as_json else ERR.capture():
-        description = describe(component.name)
+        description = describe(component.source)
     if as_json:
         print_json({"kind": component.kind, **asdict(description)})
         return

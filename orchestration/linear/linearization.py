@@ -276,4 +276,4 @@ def _held(connection: Connection) -> str:
 
 def _is_component(name: str | Path) -> bool:
     """Whether this is one FMU, by its path or as one that is built here."""
-    return Path(name).suffix == ".fmu" or any(component.name == str(name) for component in components())
+    return Path(name).suffix in (".fmu", ".hpp") or any(component.name == str(name) for component in components())

@@ -81,7 +81,7 @@ def versions() -> dict[str, str | None]:
 
 
 def _from_anywhere(source: str | Path) -> str:
-    return str(Path(source).absolute()) if Path(source).suffix == ".fmu" else str(source)
+    return str(Path(source).absolute()) if Path(source).suffix in (".fmu", ".hpp") else str(source)
 
 
 def _file(path: Path) -> dict[str, str]:

@@ -138,7 +138,7 @@ def _found(path: Path, beside: Path | None, what: str) -> Path:
 
 def _source(name: str, component: Mapping[str, Any], beside: Path | None) -> str | Path:
     source = Path(component["fmu"])
-    return _found(source, beside, f"component {name}") if source.suffix == ".fmu" else str(source)
+    return _found(source, beside, f"component {name}") if source.suffix in (".fmu", ".hpp") else str(source)
 
 
 def _system(old: Mapping[str, Any], beside: Path | None) -> System:

@@ -1,0 +1,118 @@
+"""`adcs new`: a component of one's own to begin with, in a folder of one's own."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from string import Template
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+from rich.console import Console
+
+from adcs.cli.command import command
+from fmus.errors import AdcsError
+from orchestration.process.writing import make_folder
+
+Kind = Literal["guidance", "plant", "environment", "sensor", "observer", "controller"]
+
+app = command("new", "adcs new controller rate_damper", "adcs new sensor my_gyro --to sensors")
+
+_HEADER = Template("""\
+/// # $title
+///
+/// What it computes, and where that is from. Equations stand between dollar signs:
+///
+/// $$\\tau = -k\\,\\omega$$
+#pragma once
+
+#include "fmi/declaration.hpp"
+
+namespace adcs {
+
+template <class T>
+struct $name {
+    static constexpr auto kind = "$kind";
+    static constexpr auto summary = "Torque against the angular velocity";
+    static constexpr auto reference = "";  // author, title, equation
+
+    // The values given here are the start values.
+    Vec3<T> omega_BN_B{0.0, 0.0, 0.0};
+    T k = 1.0;
+    Vec3<T> torque_B{0.0, 0.0, 0.0};
+
+    template <class V>
+    void declare(V& v) {
+        v.input("omega_BN_B", omega_BN_B, unit::rad_per_s, "angular velocity of B relative to N, in B").nominal(0.1);
+        v.parameter("k", k, unit::N_m_s, "gain").above(0);
+        v.output("torque_B", torque_B, unit::N_m, "commanded torque, in B");
+    }
+
+    void outputs() { torque_B = -k * omega_BN_B; }
+};
+
+}  // namespace adcs
+""")
+
+_TEST = Template('''\
+"""The law of $name, computed a second time."""
+
+from pathlib import Path
+
+import numpy as np
+
+import adcs
+
+HEADER = Path(__file__).with_name("$file.hpp")
+
+
+def test_nothing_is_wrong_with_its_fmus():
+    assert adcs.check(HEADER) == []
+
+
+def test_it_computes_what_it_should():
+    omega_BN_B, k = np.array([0.1, -0.2, 0.3]), 2.0
+    system = adcs.System("alone", stop_time="1s", step="500ms")
+    system.add("law", HEADER, {"omega_BN_B": omega_BN_B, "k": k})
+    result = adcs.run(system)
+    np.testing.assert_allclose(result["law.torque_B"][-1], -k * omega_BN_B, rtol=1e-15)
+''')
+
+_README = Template("""\
+# $title
+
+A $kind as an FMI component.
+
+    adcs build $file.hpp     # $name.fmu and $name.fmi3.fmu, for any tool; --all-platforms for others than this
+    adcs check $file.hpp     # what is wrong with them
+    python -m pytest         # the law, computed a second time
+
+`adcs info $file.hpp` lists its variables. In Python it is a component like any other, built anew when the header has
+changed: `System.add("law", "$file.hpp")`.
+""")
+
+
+@app.default
+def new(
+    kind: Annotated[Kind, Parameter(help="What it is: the icon, and where it stands in lists.")],
+    name: Annotated[str, Parameter(help="Its file's name, my_law; the component is called MyLaw.")],
+    /,
+    *,
+    to: Annotated[Path, Parameter(help="The folder that is written to.")] = Path(),
+) -> None:
+    """Write a component of your own to begin with: a header, a test, a README; nothing that is there is replaced."""
+    if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", name):
+        raise AdcsError(f"{name!r} is no name for a file: small letters, digits and underscores, as in my_law")
+    words = {"file": name, "kind": kind, "title": name.replace("_", " ").capitalize()}
+    words["name"] = "".join(word.capitalize() for word in name.split("_"))
+    files = {f"{name}.hpp": _HEADER, f"test_{name}.py": _TEST, "README.md": _README}
+    make_folder(to, f"--to {to}")
+    for file in files:
+        if (to / file).exists():
+            raise AdcsError(f"{to / file} is there already: take another name, or another folder by --to")
+    for file, template in files.items():
+        (to / file).write_text(template.substitute(words), encoding="utf-8")
+    console = Console()
+    for file in files:
+        console.print(str(to / file), markup=False, highlight=False, soft_wrap=True)
+    console.print(f"next: adcs build {to / name}.hpp", markup=False, highlight=False, soft_wrap=True)

@@ -1,0 +1,183 @@
+"""Components and systems of somebody else's, in folders and packages of their own."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import adcs
+from adcs.cli import app
+from fmus import catalog
+from tests.invoking import invoke
+
+ROOT = Path(__file__).parents[2]
+LOOP = """
+from adcs import System
+
+
+def detumble() -> System:
+    system = System("detumble", "a tumbling body", stop_time="2s", step="50ms")
+    system.add("plant", "RigidBody", {"omega_BN_B": [0.1, -0.2, 0.3], "torque_disturbance_B": [0, 0, 0]})
+    system.add("law", "HEADER", {"k": 2.0})
+    system.connect("plant.omega_BN_B", "law.omega_BN_B")
+    system.connect("law.torque_B", "plant.torque_B")
+    return system
+"""
+
+
+def command(folder: Path, *arguments: str, path: str = "") -> subprocess.CompletedProcess[str]:
+    places = os.pathsep.join([str(ROOT), *([path] if path else [])])
+    return subprocess.run(
+        [sys.executable, "-m", "adcs", *arguments],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": places},
+        capture_output=True,
+        text=True,
+    )
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What `adcs new` writes, and a system with it."""
+    folder = tmp_path_factory.mktemp("own project")  # a blank in its name
+    ran = command(folder, "new", "controller", "rate_law")
+    assert ran.returncode == 0, ran.stderr
+    (folder / "loop.py").write_text(LOOP.replace("HEADER", str(folder / "rate_law.hpp")))
+    return folder
+
+
+def test_what_is_written_builds_has_no_faults_and_passes_its_test(project: Path) -> None:
+    assert json.loads(command(project, "build", "rate_law.hpp", "--json").stdout)[0]["path"].endswith("RateLaw.fmu")
+    checked = json.loads(command(project, "check", "rate_law.hpp", "--json").stdout)
+    assert [(Path(fmu["path"]).name, fmu["findings"]) for fmu in checked] == [
+        ("RateLaw.fmu", []),
+        ("RateLaw.fmi3.fmu", []),
+    ]
+    ran = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_rate_law.py"],
+        cwd=project,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+    )
+    assert "2 passed" in ran.stdout, ran.stdout + ran.stderr
+
+
+def test_a_system_takes_a_header_and_both_fmi_versions_agree(project: Path) -> None:
+    result = adcs.run(project / "loop.py")
+    np.testing.assert_allclose(result["law.torque_B"], -2.0 * result["plant.omega_BN_B"], rtol=1e-15)
+    assert adcs.run(project / "loop.py", fmi_version="3.0") == result
+    again = adcs.rerun(json.loads(json.dumps(result.manifest)))
+    assert (again.result == result, again.differences) == (True, ())
+    alone = adcs.run(project / "rate_law.hpp", stop_time=1, step=1)
+    assert list(alone) == ["RateLaw.torque_B"]
+
+
+def test_a_changed_header_is_built_anew(project: Path) -> None:
+    header = project / "rate_law.hpp"
+    before, text = adcs.run(project / "loop.py"), header.read_text()
+    header.write_text(text.replace("-k * omega_BN_B", "-2 * k * omega_BN_B"))
+    try:
+        after = adcs.run(project / "loop.py")
+        assert np.array_equal(after["law.torque_B"][0], 2 * before["law.torque_B"][0])
+        differences = adcs.rerun(before.manifest).differences
+        assert differences[0].startswith("component law: RateLaw.fmu is another file than was run, sha256 ")
+    finally:
+        header.write_text(text)
+    assert adcs.run(project / "loop.py") == before
+
+
+def test_a_header_includes_what_is_beside_it_and_its_fmu_has_that_in_its_sources(project: Path) -> None:
+    (project / "gain.hpp").write_text("#pragma once\nnamespace adcs { constexpr double gain = 3.0; }\n")
+    text = (project / "rate_law.hpp").read_text()
+    (project / "other_law.hpp").write_text(
+        text.replace("RateLaw", "OtherLaw")
+        .replace('"fmi/declaration.hpp"', '"fmi/declaration.hpp"\n#include "gain.hpp"')
+        .replace("-k * omega_BN_B", "-gain * omega_BN_B")
+    )
+    system = adcs.System("alone")
+    system.add("law", project / "other_law.hpp", {"omega_BN_B": [1.0, 2.0, 3.0]})
+    assert adcs.run(system, stop_time=1, step=1)["law.torque_B"][0].tolist() == [-3.0, -6.0, -9.0]
+    from zipfile import ZipFile
+
+    with ZipFile(project / "OtherLaw.fmu") as fmu:
+        assert {"sources/other_law.hpp", "sources/gain.hpp", "sources/fmi/declaration.hpp"} <= set(fmu.namelist())
+
+
+def test_two_of_one_name_in_two_folders_are_two(project: Path, tmp_path: Path) -> None:
+    text = (project / "rate_law.hpp").read_text()
+    (tmp_path / "rate_law.hpp").write_text(text.replace("-k * omega_BN_B", "-10 * k * omega_BN_B"))
+    torques = []
+    for folder in (project, tmp_path, project):
+        system = adcs.System("alone")
+        system.add("law", folder / "rate_law.hpp", {"omega_BN_B": [1.0, 0.0, 0.0]})
+        torques.append(adcs.run(system, stop_time=1, step=1)["law.torque_B"][0, 0])
+    assert torques == [-1.0, -10.0, -1.0]
+
+
+def test_the_kind_is_what_the_header_or_its_folder_says(project: Path, tmp_path: Path) -> None:
+    text = (project / "rate_law.hpp").read_text()
+    assert catalog.find(str(project / "rate_law.hpp")).kind == "controller"
+    (tmp_path / "sensors").mkdir()
+    header = tmp_path / "sensors" / "rate_law.hpp"
+    header.write_text(text.replace('    static constexpr auto kind = "controller";\n', ""))
+    assert catalog.find(str(header)).kind == "sensor"
+    header.write_text(text.replace('kind = "controller"', 'kind = "wheel"'))
+    with pytest.raises(adcs.AdcsError, match=r"kind = 'wheel' is unknown: use guidance or plant or environment or"):
+        catalog.find(str(header))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("build", "absent.hpp"), "absent.hpp is no file"),
+        (("build", "empty.hpp"), "empty.hpp declares no component: `adcs new controller my_law` writes one"),
+        (("build", "wrong.hpp"), "there is no `struct Wrong`; a component's struct has its file's name in CamelCase"),
+        (("new", "controler", "x"), 'Did you mean "controller"?'),
+        (("new", "controller", "MyLaw"), "'MyLaw' is no name for a file: small letters, digits and underscores"),
+        (("new", "controller", "empty"), "empty.hpp is there already: take another name, or another folder by --to"),
+    ],
+)
+def test_mistakes_are_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], said: str):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "empty.hpp").write_text("#pragma once\n")
+    (tmp_path / "wrong.hpp").write_text("struct Other { void declare(int) {} };\n")
+    before = sorted(tmp_path.iterdir())
+    ended = invoke(app.app, [*arguments])
+    assert said in str(ended.exception) and "\n" not in str(ended.exception)
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.fixture
+def package(project: Path, tmp_path: Path) -> Path:
+    """An installed package of somebody else's, with systems by entry points."""
+    (tmp_path / "their_missions.py").write_text(
+        LOOP.replace("HEADER", str(project / "rate_law.hpp")) + "\n\ndef broken():\n    return 1 / 0\n"
+    )
+    about = tmp_path / "their_missions-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: their-missions\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text(
+        "[adcs.systems]\ntheir-detumble = their_missions:detumble\ntheir-broken = their_missions:broken\n"
+    )
+    return tmp_path
+
+
+def test_systems_of_other_packages_are_found_by_name(package: Path) -> None:
+    run = command(package, "run", "their-detumble", "--no-report", "--json", path=str(package))
+    assert json.loads(run.stdout)["outcome"] == {"status": "complete", "rows": 41}, run.stderr
+    slip = command(package, "run", "their-detumbl", path=str(package))
+    assert slip.stderr.startswith("adcs: no system 'their-detumbl': did you mean their-detumble")
+    broken = command(package, "run", "their-broken", path=str(package))
+    assert broken.stderr == (
+        "adcs: the system their-broken of the package their-missions cannot be loaded: ZeroDivisionError: division by "
+        "zero\n"
+    )
+    listed = json.loads(command(package, "list", "--json", path=str(package)).stdout)
+    about = {system["name"]: system["description"] for system in listed["systems"]}
+    assert about["their-detumble"] == "a tumbling body"
+    assert about["their-broken"].startswith("the system their-broken of the package their-missions cannot be loaded")

@@ -20,6 +20,7 @@ from orchestration.system import System, Times
 
 _STEPS = 1000  # of a run whose file gives no exchange step
 _STOP = 10.0  # s, of a run whose file gives no stop time
+_IN_DEGREES = {"rad": "deg", "rad/s": "deg/s", "rad/s2": "deg/s2"}
 _MOST_CURVES = 9  # in one panel: a 3 x 3 matrix
 
 
@@ -92,19 +93,21 @@ def _entry(name: str, system: System, start: float, stop: float, step: float, as
 
 
 def figures(result: Result) -> Sequence[Panel]:
-    """A panel for each recorded variable, grouped by component."""
+    """A panel for each recorded variable, grouped by component; angles and their rates in degrees."""
     panels = []
     for name in result.names:
+        unit = result.unit(name)
+        shown = _IN_DEGREES.get(unit or "", unit)
         values = np.asarray(result[name], float)
+        values = values if shown == unit else np.degrees(values)
         component, _, variable = name.partition(".")
         curves = values.reshape(len(result.time), -1).T[:_MOST_CURVES]
         labels = element_names(variable, values.shape[1:])
         series = [Series(label, result.time, curve) for label, curve in zip(labels, curves, strict=False)]
-        unit = result.unit(name)
         panels.append(
             Panel(
                 variable,
-                f"{variable} [{unit}]" if unit else variable,
+                f"{variable} [{shown}]" if shown else variable,
                 series,
                 note=result.description(name),
                 group=component,

@@ -6,9 +6,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import adcs
+from adcs.catalogue import find_system
 
 LOOP = """
 from adcs import System
@@ -122,3 +124,17 @@ def test_times_of_a_system_are_given_both_or_not_at_all():
         adcs.System("x", step=1.0)
     times = adcs.System("x", start_time="1s", stop_time="1min", step="10ms").times
     assert (times.start, times.stop, times.step) == (1.0, 60.0, 0.01)
+
+
+def test_its_figures_are_a_panel_for_each_variable_with_angles_in_degrees(file):
+    entry = find_system(file("RATE = [0, 0, 1]\n" + LOOP))
+    result = adcs.run(entry.build())
+    panels = {panel.title: panel for panel in entry.figures(result)}
+    assert list(panels) == ["q_BN", "omega_BN_B", "H_N", "kinetic_energy"]
+    assert {panel.group for panel in panels.values()} == {"plant"}
+    rates = panels["omega_BN_B"]
+    assert rates.y_label == "omega_BN_B [deg/s]"
+    np.testing.assert_allclose(
+        np.transpose([series.y for series in rates.series]), np.degrees(result["plant.omega_BN_B"]), rtol=1e-15
+    )
+    assert np.array_equal(panels["H_N"].series[2].y, result["plant.H_N"][:, 2])

@@ -1,4 +1,5 @@
 # What `import adcs` gives. `__init__.py` reads it to load each name when it is first used.
+from adcs.bridging import bridge as bridge
 from adcs.by_name import CoupledModel as CoupledModel
 from adcs.by_name import Session as Session
 from adcs.by_name import check as check

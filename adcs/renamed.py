@@ -32,6 +32,7 @@ _COUPLED = {"solver", "rtol", "atol"}
 _METHODS = {"model-exchange": "adcs.ModelExchange", "co-simulation": "adcs.CoSimulation"}
 
 _HOOKS = {
+    "at": "adcs.at(time, {{name: value}})",
     "changes": "adcs.at(time, {{name: value}})",
     "inputs": "adcs.inputs({})",
     "until": "adcs.until({})",
@@ -42,7 +43,6 @@ _HOOKS = {
 }
 
 _ELSEWHERE = {
-    "fmi": "fmi_version='2.0' or '3.0'",
     "at": "time={}",
     "out": "result.write_csv(path) of what it returns, or save=adcs.Save(to=path) for HDF5",
     "save": "record={}",
@@ -82,10 +82,7 @@ def _ways(unknown: Mapping[str, Any], has: Mapping[str, Any]) -> Iterator[str]:
     if written:
         yield f"write {', '.join(written)}"
     for name, value in left.items():
-        longer = [other for other in has if other.startswith(name)]
-        if len(longer) == 1:
-            yield f"did you mean {longer[0]}?"
-        elif name in _ELSEWHERE:
+        if name in _ELSEWHERE:
             yield f"write {_ELSEWHERE[name].format(_text(value))}"
         elif meant := close(name, has):
             yield f"did you mean {meant.partition(' or ')[0]}?"

@@ -244,6 +244,7 @@ def test_a_system(chain, mock):
         ({"factor": "2"}, "factor = '2': expected a number, 2 without quotes"),
         ({"offset": [1.0]}, "offset = [1.0]: expected a number"),
         ({"delay": "0.1"}, "delay = '0.1': expected a number, 0.1 without quotes"),
+        ({"delay": "10 days"}, "delay: '10 days' is not a time: 'days' is no unit, use us or ms or s or min or h"),
         ({"delay": None}, "delay = None: expected a number"),
         ({"delay_steps": "1"}, "delay_steps = 1, delay = 0.0 s: expected a whole number, a time"),
         ({"mapping": 3}, "mapping = 3: expected pairs of numbers, (from, to)"),
@@ -282,3 +283,62 @@ def test_a_mapping_may_be_an_array(mock):
 )
 def test_what_else_is_called(call, said):
     assert refusal(call).startswith(said)
+
+
+def test_a_delay_is_a_time_with_or_without_its_unit(chain):
+    delays = []
+    for delay in (0.01, "10ms", "0.01s"):
+        system = chain()
+        system.disconnect("gain.u")
+        system.connect("source.y", "gain.u", delay=delay)
+        delays.append(system.connections[-1].delay)
+        system.delay("gain.u", seconds=delay if isinstance(delay, str) else 0.01)
+        delays.append(system.connections[-1].delay)
+    assert delays == [0.01] * 6
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("plant.q_BN", "1,0,0,0", "plant.q_BN = '1,0,0,0': expected a list, [1, 0, 0, 0]"),
+        ("plant.q_BN", "[1,0,0,0]", "plant.q_BN = '[1,0,0,0]': expected a list, [1, 0, 0, 0]"),
+        ("plant.omega_BN_B", "0.05deg", "plant.omega_BN_B = '0.05deg': expected a number, in rad/s"),
+        ("tracker.half_angle", "0.05deg", "tracker.half_angle = '0.05deg': expected a number, in rad"),
+        ("tracker.half_angle", "0.05", "tracker.half_angle = '0.05': expected a number, in rad, 0.05 without quotes"),
+    ],
+)
+def test_a_start_value_as_a_command_line_has_it(name, value, said):
+    system = adcs.systems()["observer-pd"].build()
+    assert refusal(lambda: system.set(name, value)) == said
+
+
+def test_results_and_manifests(chain):
+    result = run(chain(), **TIMES)
+    assert refusal(lambda: result["time"]) == "'time' is no variable: it is result.time"
+    assert refusal(lambda: result.select("gain.y")) == "names = 'gain.y': expected a list, ['gain.y']"
+    assert refusal(lambda: adcs.rerun({})) == (
+        "manifest: this dict is not that of a run: give result.manifest, or the manifest.json of one"
+    )
+    assert refusal(lambda: adcs.rerun(result)) == (
+        "manifest: give result.manifest of this result, or the manifest.json of a run"
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("simulate", "adcs has no 'simulate'; dir(adcs) shows all"),
+        ("Change", "adcs has no 'Change'; dir(adcs) shows all"),
+        ("linearise", "adcs has no 'linearise'; did you mean linearize?"),
+        ("Sesion", "adcs has no 'Sesion'; did you mean Session?"),
+    ],
+)
+def test_what_adcs_does_not_have(name, said):
+    with pytest.raises(AttributeError) as error:
+        getattr(adcs, name)
+    assert str(error.value) == said
+
+
+def test_the_beginning_of_a_name(chain):
+    said = refusal(lambda: run("observer-pd", stop_time=1, save=adcs.Save(["plant.q"])))
+    assert said == "component 'plant' (RigidBody.fmu) has no variable 'q': did you mean q_BN?"

@@ -27,9 +27,10 @@ def _homes() -> dict[str, str]:
 
 def __getattr__(name: str) -> Any:
     if name not in _homes():
-        from fmus.spelling import hint
+        from fmus.spelling import close
 
-        raise AttributeError(f"adcs has no {name!r}; {hint(name, _homes())}")
+        meant = close(name, _homes(), 0.8)
+        raise AttributeError(f"adcs has no {name!r}; {f'did you mean {meant}?' if meant else 'dir(adcs) shows all'}")
     globals()[name] = found = getattr(import_module(_homes()[name]), name)
     return found
 

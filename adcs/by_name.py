@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import ParamSpec, TypeVar
 
 from adcs.catalogue import find_system, fmus_meant, names_system
-from adcs.renamed import refuse_old
+from adcs.renamed import refuse_unknown
 from fmus.catalog import is_header
 from fmus.check import Finding
 from orchestration import expected, named
@@ -18,7 +18,7 @@ from orchestration.coupled import CoupledModel as CoupledModel
 from orchestration.linear.linearization import linearize as linearize_system
 from orchestration.running.run import run as run_system
 from orchestration.running.session import Session as Session
-from orchestration.running.session import steps as steps
+from orchestration.running.session import steps as steps_of_system
 from orchestration.ssp import write_ssp as write_ssp
 from orchestration.system import System
 from orchestration.times import Seconds
@@ -35,12 +35,12 @@ def _found(name: str, step: Seconds | None) -> System:
     return entry.build()
 
 
-def _telling_old_names(function: Callable[Arguments, Returned]) -> Callable[Arguments, Returned]:
-    """Let a function tell what stands for arguments of one version ago."""
+def _telling(function: Callable[Arguments, Returned]) -> Callable[Arguments, Returned]:
+    """Let a function tell what stands for arguments that it does not have."""
 
     @wraps(function)
     def told(*args: Arguments.args, **given: Arguments.kwargs) -> Returned:
-        refuse_old(function.__name__, given)
+        refuse_unknown(function, given)
         return function(*args, **given)
 
     return told
@@ -59,6 +59,7 @@ def check(fmu: str | Path) -> list[Finding]:
     return [replace(finding, message=f"{name}: {finding.message}") for name, finding in found]
 
 
-run = _telling_old_names(run_system)
-linearize = _telling_old_names(linearize_system)
+run = _telling(run_system)
+steps = _telling(steps_of_system)
+linearize = _telling(linearize_system)
 named.find_by(_found)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
@@ -284,21 +286,21 @@ class System:
         offset: float | None = None,
         mapping: Sequence[tuple[float, float]] | None = None,
         delay_steps: int = 0,
-        delay: float = 0.0,
+        delay: Seconds = 0.0,
     ) -> None:
         """Connect an output to an input of the same shape: `component.variable`, or an element as in `plant.q_BN[2]`.
 
         Values are converted from the unit of one end to that of the other; an end without a unit goes with any. With
         `factor` or `offset` the input gets `factor * value + offset` instead; `mapping` gives the input's value for
-        each value of a Boolean, integer or enumeration output. `delay_steps` (exchange steps) or `delay` (s, a whole
-        number of exchange steps) lets values arrive later.
+        each value of a Boolean, integer or enumeration output. `delay_steps` (exchange steps) or `delay` (a time as
+        0.1 [s] or "100ms", a whole number of exchange steps) lets values arrive later.
         """
         output, input_ = self.end(source), self.end(target)
         link = f"cannot connect {source} to {target}: "
         for name, value in {"factor": factor, "offset": offset}.items():
             if value is not None:
                 expected.number(f"{link}{name}", value)
-        expected.number(f"{link}delay", delay)
+        delay = expected.seconds(f"{link}delay", delay)
         if output.port.causality != "output":
             raise AdcsError(f"{link}{source} is not an output but {self._called(output)}")
         if input_.port.causality != "input":
@@ -328,7 +330,7 @@ class System:
             if self.places(other.target) & self.places(target):
                 raise AdcsError(f"{link}{other.source} is already connected to it, an input has one source")
         connection = Connection(
-            source, target, scale.factor, scale.offset, pairs, delay_steps, float(delay), given or bool(pairs)
+            source, target, scale.factor, scale.offset, pairs, delay_steps, delay, given or bool(pairs)
         )
         component = self.components[input_.component]
         if component.has_start(input_.port) and not connection.delayed and len(input_.elements) == input_.port.size:
@@ -346,8 +348,8 @@ class System:
                 return connection
         raise AdcsError(f"nothing is connected to {target}")
 
-    def delay(self, target: str, *, steps: int = 0, seconds: float = 0.0) -> None:
-        """Delay the connection into an input."""
+    def delay(self, target: str, *, steps: int = 0, seconds: Seconds = 0.0) -> None:
+        """Delay the connection into an input by so many exchange steps, or by a time, as 0.1 [s] or "100ms"."""
         old = self.disconnect(target)
         scale = {"factor": old.factor, "offset": old.offset} if old.given and not old.mapping else {}
         try:
@@ -610,11 +612,13 @@ def checked_value(name: str, port: Port, value: Value) -> tuple[Any, ...]:
         except OverflowError:
             raise AdcsError(f"{name} = {shown(repr(value))} is outside the range of {port.type}") from None
     if array.shape != port.shape:
+        if isinstance(value, str) and port.type != "String":
+            raise _no_number(name, port, value)
         raise AdcsError(f"{name}: expected {size_text(port.shape)}, got {size_text(array.shape)}")
     flat = array.ravel()
     if port.type.startswith("Float"):
         if array.dtype.kind not in "fiu":
-            raise AdcsError(f"{name} = {value!r}: expected a number")
+            raise _no_number(name, port, value)
         _refuse_misfit(name, port, value, flat)
         return tuple(float(v) for v in flat)
     if port.type == "Boolean":
@@ -632,6 +636,19 @@ def checked_value(name: str, port: Port, value: Value) -> tuple[Any, ...]:
         _refuse_misfit(name, port, value, flat)
         return tuple(int(v) for v in flat)
     raise AdcsError(f"{name} is of type {port.type}: setting these is not supported")
+
+
+def _no_number(name: str, port: Port, value: Value) -> AdcsError:
+    """Refuse what is no number where one is expected; a text that the command line would read is told how to be given.
+
+    A unit has to be converted, a list written as a list.
+    """
+    way = f"a number{f', in {port.unit}' if port.unit and port.unit != '1' else ''}"
+    if isinstance(value, str):
+        with suppress(ValueError, RecursionError):  # which is none of these
+            read = json.loads(value if value.lstrip().startswith("[") or not port.shape else f"[{value}]")
+            way = f"a list, {read}" if isinstance(read, list) else f"{way}, {read} without quotes"
+    return AdcsError(f"{name} = {shown(repr(value))}: expected {way}")
 
 
 def _refuse_misfit(name: str, port: Port, value: Value, flat: NDArray[Any]) -> None:

@@ -41,12 +41,12 @@ def export(
         raise AdcsError(f"--out {out}: the file is given as {file} already, leave one out")
     file = out or file
     if is_ssp(system) and file is None:
-        raise AdcsError(f"say where to: adcs export {system} --ssp FILE.ssp")
+        raise AdcsError(f"say where to: adcs export {system} FILE.ssp")
     if is_file(system) and which.fmi is not None:
         raise AdcsError(f"--fmi {which.fmi}: the FMUs in {system} stay as they are: leave it out")
     target = file or Path(f"{Path(system).stem}.ssp")
     if target.suffix != ".ssp":
-        raise AdcsError(f"{target} does not end in .ssp: write adcs export SYSTEM --ssp FILE.ssp")
+        raise AdcsError(f"{target} does not end in .ssp: write adcs export {system} {target.stem}.ssp")
     if target.is_dir():
         raise AdcsError(f"{target} is a folder: give the name of a file in it")
     if target.is_file() and not force:

@@ -32,6 +32,8 @@ def attached(
             raise AdcsError(f"--allow {word}: expected some of {', '.join(ALLOWED)}, separated by commas")
     if tools.key is not None:
         Keyring.open(tools.key)  # which another process reads, and is refused now
+    if tools.tlog is not None and tools.tlog.is_file():
+        raise AdcsError(f"--tlog {tools.tlog} is there already: give another name")
     signals = find(system, tools.map, tools.show)
     settings = Settings(
         system=system.name,

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any
 
 from cyclopts import Parameter
-from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
 from adcs.catalogue import find_component, find_system, names_system
+from adcs.cli.columns import show
 from adcs.cli.command import at_work, command
 from adcs.cli.printing import ERR, OUT, Json, print_json
 from fmus.build import describe
@@ -50,7 +49,7 @@ def info(
     if as_json:
         print_json(facts)
     else:
-        _show(facts)
+        _show_facts(facts)
 
 
 def _show_component(component: Component, as_json: bool) -> None:
@@ -60,19 +59,28 @@ def _show_component(component: Component, as_json: bool) -> None:
     if as_json:
         print_json({"kind": component.kind, **asdict(description)})
         return
-    OUT.print(f"[bold]{description.name}[/bold] ({component.kind}): {description.description}")
+    _head(description.name, description.description, f" ({component.kind})")
     if description.reference:
-        OUT.print(f"[dim]{description.reference}[/dim]")
-    table = Table()
-    table.add_column("Variable", min_width=max(len(v.name) for v in description.variables))  # names are never cut
-    for header in ("Causality", "Size", "Unit", "Start", "Bounds", "Description"):
-        table.add_column(header)
-    for v in description.variables:
-        if v.causality != "independent":
-            size = " x ".join(map(str, v.shape))
-            causality = f"{v.causality}, tunable" if v.variability == "tunable" else v.causality
-            table.add_row(v.name, causality, size, v.unit or "", _start(v), v.bounds, v.description)
-    OUT.print(table)
+        OUT.print(description.reference, style="dim", markup=False, highlight=False, soft_wrap=True)
+    variables = [v for v in description.variables if v.causality != "independent"]
+    show(
+        ["Variable", "Kind", "Size", "Unit", "Start"],
+        [[v.name, _kind(v.causality, v.variability), _size(v.shape), v.unit or "", _start(v)] for v in variables],
+        [f"{v.description} ({v.bounds})" if v.bounds else v.description for v in variables],
+    )
+
+
+def _head(name: str, description: str, kind: str = "") -> None:
+    text = f"[bold]{escape(name)}[/bold]{kind}: {escape(description)}"
+    OUT.print(text, highlight=False, soft_wrap=True)
+
+
+def _kind(causality: str, variability: str | None) -> str:
+    return f"{causality}, tunable" if variability == "tunable" else causality
+
+
+def _size(shape: Iterable[int]) -> str:
+    return " x ".join(map(str, shape))
 
 
 def _start(v: Variable) -> str:
@@ -157,60 +165,41 @@ def _parts(
     }
 
 
-def _show(facts: dict[str, Any]) -> None:
-    console = Console()
-
-    def say(text: str) -> None:
-        console.print(escape(text), highlight=False, soft_wrap=True)
-
-    console.print(f"[bold]{escape(facts['name'])}[/bold]: {escape(facts['description'])}", highlight=False)
+def _show_facts(facts: dict[str, Any]) -> None:
+    _head(facts["name"], facts["description"])
     if "components" in facts:
-        say(
+        print(
             (f"SSP {facts['ssp_version']}, " if "ssp_version" in facts else "")
             + f"{len(facts['components'])} components, {len(facts['connections'])} connections"
         )
         if len(facts.get("structures", ())) > 1:
             others = ", ".join(name for name in facts["structures"] if name != facts["structure"])
-            say(f"of {facts['structure']}; there is also {others}, which FILE.ssp#NAME.ssd chooses")
+            print(f"of {facts['structure']}; there is also {others}, which FILE.ssp#NAME.ssd chooses")
         times = {"start": facts["start_time"], "stop": facts["stop_time"], "step": facts["step"]}
         if any(time is not None for time in times.values()):
-            say(", ".join(f"{name} {time:g} s" for name, time in times.items() if time is not None))
-        _table(console, ["Component", "FMU", "FMI", "Description"], [list(c.values()) for c in facts["components"]])
-        _table(console, ["From", "To"], facts["connections"])
+            print(", ".join(f"{name} {time:g} s" for name, time in times.items() if time is not None))
+        parts = facts["components"]
+        rows = [[c["name"], c["fmu"], c["fmi_version"]] for c in parts]
+        show(["Component", "FMU", "FMI"], rows, [c["description"] for c in parts])
+        if facts["connections"]:
+            show(["From", "To"], facts["connections"])
         return
-    say(
+    print(
         f"FMI {facts['fmi_version']}, {' and '.join(facts['interfaces'])}, "
         f"for {', '.join(facts['platforms']) or 'no platform'}"
         + (f"; made by {facts['generation_tool']}" if facts["generation_tool"] else "")
     )
-    columns = ["Variable", "Causality", "Type", "Size", "Unit", "Start", "Description"]
-    rows = []
-    for v in facts["variables"]:
-        if v["causality"] == "independent":
-            continue
-        size = " x ".join(map(str, v["shape"]))
-        start = "" if v["start"] is None else " ".join(f"{x:g}" if isinstance(x, float) else str(x) for x in v["start"])
-        causality = f"{v['causality']}, tunable" if v["variability"] == "tunable" else v["causality"]
-        also = f"another name of {v['alias_of']}" if "alias_of" in v else ""
-        description = ". ".join(filter(None, (also, v["description"])))
-        rows.append([v["name"], causality, v["type"], size, v["unit"] or "", start, description])
-    _table(console, columns, rows)
+    variables = [v for v in facts["variables"] if v["causality"] != "independent"]
+    show(
+        ["Variable", "Kind", "Type", "Size", "Unit", "Start"], [_cells(v) for v in variables], [*map(_note, variables)]
+    )
 
 
-_BOXED = 2000
-"""The most rows of a table with lines around its cells."""
+def _cells(v: Mapping[str, Any]) -> list[str]:
+    start = " ".join(f"{x:g}" if isinstance(x, float) else str(x) for x in v["start"] or ())
+    return [v["name"], _kind(v["causality"], v["variability"]), v["type"], _size(v["shape"]), v["unit"] or "", start]
 
 
-def _table(console: Console, columns: list[str], rows: list[list[str]]) -> None:
-    if len(rows) > _BOXED:  # of which rich would make 2000 lines a second
-        every = [columns, *rows]
-        widths = [max(map(len, cells)) for cells in zip(*every, strict=True)]
-        for row in every:
-            print("  ".join(map(str.ljust, row, widths)).rstrip())
-        return
-    table = Table()
-    for i, column in enumerate(columns):
-        table.add_column(column, min_width=min(max((len(row[0]) for row in rows), default=0), 40) if i == 0 else None)
-    for row in rows:
-        table.add_row(*map(escape, row))
-    console.print(table)
+def _note(v: Mapping[str, Any]) -> str:
+    also = f"another name of {v['alias_of']}" if "alias_of" in v else ""
+    return ". ".join(filter(None, (also, v["description"])))

@@ -41,6 +41,7 @@ def linearize(
     open_: Annotated[_Names, Parameter(name="--open")] = None,
     minimal: bool = False,
     out: Annotated[Path | None, Parameter(metavar="FILE")] = None,
+    force: bool = False,
     json: bool = False,
 ) -> None:
     """Linearise a component or a closed loop: matrices A, B, C, D, and eigenvalues with frequency and damping.
@@ -52,6 +53,7 @@ def linearize(
         open_: Cut the connections into these inputs, for a loop gain.
         minimal: Count a unit quaternion as the three angles of a small rotation.
         out: Write all of it to a .mat or .json file.
+        force: Replace the file if it is there already.
         json: Print all of it as JSON.
     """
     from orchestration.linear.linearization import linearize as linearize_
@@ -61,6 +63,8 @@ def linearize(
         raise AdcsError(f"--out {out}: give a name that ends in .mat or .json")
     if out is not None and out.is_dir():
         raise AdcsError(f"--out {out}: it is a folder: give the name of a file in it")
+    if out is not None and out.is_file() and not force:
+        raise AdcsError(f"--out {out} is there already: give another name, or --force to replace it")
     if out is not None:
         make_folder(out.parent, f"--out {out}")
     _, built = which.built(system)

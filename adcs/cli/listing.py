@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from rich.table import Table
-
 from adcs.catalogue import descriptions
+from adcs.cli.columns import show
 from adcs.cli.command import command
-from adcs.cli.printing import OUT, Json, print_json
+from adcs.cli.printing import Json, print_json
 from fmus import catalog
 from fmus.built import built
 
@@ -25,11 +24,8 @@ def list_command(*, as_json: Json = False) -> None:
         ]
         print_json({"components": entries, "systems": listed})
         return
-    table = Table("Component", "Kind", "Description", "Built for FMI")
-    for c in components:
-        table.add_row(c.name, c.kind, c.summary, ", ".join(there[c.name]) or "[dim]when used[/dim]")
-    OUT.print(table)
-    table = Table("System", "Description")
-    for system in listed:
-        table.add_row(system["name"], system["description"])
-    OUT.print(table)
+    built_for = [", ".join(there[c.name]) or "when used" for c in components]
+    rows = [[c.name, c.kind, versions] for c, versions in zip(components, built_for, strict=True)]
+    show(["Component", "Kind", "Built for FMI"], rows, [c.summary for c in components])
+    print()
+    show(["System"], [[system["name"]] for system in listed], [system["description"] for system in listed])

@@ -31,7 +31,7 @@ app = command(
     "run",
     "adcs run observer-pd --step 1ms --set tracker.half_angle=0.05deg --out noisy",
     "adcs run observer-pd --at 20s controller.k_p=3 --stop 5min",
-    'adcs run observer-pd --until "norm(controller.omega_BR_B) < 1e-5"',
+    'adcs run observer-pd --until "norm(controller.omega_BR_B) < 1e-3"',
     "adcs run system.ssp --estimate-error --format hdf5",
 )
 

@@ -40,6 +40,8 @@ def told(error: CycloptsError, arguments: Sequence[str], commands: Sequence[str]
             return text if text.endswith("?") else f"{text.removesuffix('.')}: {way_out}"
         case UnknownCommandError():
             meant = close(arguments[0], commands)
+            if arguments[0] == "help":
+                return f"no command 'help': {way_out}"
             return f"no command {words[0]}: {f'did you mean {meant}? ' if meant else ''}{way_out}"
         case UnusedCliTokensError():
             return f"{', '.join(words)} {'is' if len(words) == 1 else 'are'} more than it takes: {way_out}"

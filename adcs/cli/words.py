@@ -77,6 +77,8 @@ def every(system: System, assignment: str) -> None:
     """Do what `--every` says: COMPONENT=N."""
     name, _, text = assignment.partition("=")
     number = whole(text)
+    if name in system.components and number is None and text.isdecimal():
+        raise AdcsError(f"--every {shown(assignment)}: expected at most {_MOST_STEPS} steps")
     if name not in system.components or not number:
         known = "" if name in system.components else f"; {hint(name, system.components, 'there is')}"
         raise AdcsError(f"--every {shown(assignment)}: expected COMPONENT=N, N from 1{known}")
@@ -104,4 +106,7 @@ def seconds(text: str, what: str) -> float:
 
 def whole(text: str) -> int | None:
     """Return a whole number from 0 that is written in digits, None if it is not so or has more than nine."""
-    return int(text) if text.isdecimal() and len(text) <= 9 else None
+    return int(text) if text.isdecimal() and len(text) <= len(str(_MOST_STEPS)) else None
+
+
+_MOST_STEPS = 999_999_999

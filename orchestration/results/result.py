@@ -208,6 +208,7 @@ class Result:
 
     def select(self, names: Sequence[str]) -> Result:
         """Return the result with these variables only."""
+        expected.texts("names", names)
         whole = [self._whole(name) for name in names]
         ports = {name: self.ports[recorded] for name, recorded in zip(names, whole, strict=True)}
         parts = [self._read(recorded, None) for recorded in whole]
@@ -314,6 +315,8 @@ class Result:
         return recorded
 
     def _unknown(self, name: str) -> AdcsError:
+        if name == "time":
+            return AdcsError("'time' is no variable: it is result.time")
         return AdcsError(f"{name!r} was not recorded: {hint(name, self.ports, 'recorded are')}")
 
 

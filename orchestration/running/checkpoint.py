@@ -6,6 +6,7 @@ import io
 import json
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -14,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.archive import Archive
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, shown
 from orchestration.process.format import refuse_other_version
 from orchestration.process.writing import replacing
 from orchestration.running.session import Session
@@ -68,7 +69,7 @@ class Checkpoint:
         for key, here in _about(simulation).items():
             there = self.about.get(key)
             if here != there:
-                raise AdcsError(f"{self.path} is of another run: {key} is {_difference(there, here)}")
+                raise AdcsError(f"{self.path} is of another run: {_difference(key, there, here)}")
         if not aligned(simulation, self.k):
             raise not_aligned(simulation, self.k)
         states = [f"state_{i}" for i in range(len(simulation.instances))]
@@ -162,7 +163,22 @@ def _about(simulation: Session) -> dict[str, Any]:
     }
 
 
-def _difference(there: Any, here: Any) -> str:
-    if isinstance(here, (dict, list)):
-        return "not the same"
-    return f"{there} there, {here} here"
+def _difference(key: str, there: Any, here: Any) -> str:
+    """Name the first of several things that is not the same, or both of single ones."""
+    if isinstance(here, dict) and isinstance(there, dict):
+        first = next(name for name in [*here, *there] if there.get(name) != here.get(name))
+        if isinstance(here.get(first), dict) and isinstance(there.get(first), dict):  # the start values of a component
+            return _difference(f"{key} of {first}", there[first], here[first])
+        return f"the {key} are not the same, {first} is the first that differs"
+    if isinstance(here, list) and isinstance(there, list):
+        pairs = zip_longest(there, here)
+        was, is_ = next((was, is_) for was, is_ in pairs if was != is_)
+        return f"the {key} are not the same, {_named(was)} there is {_named(is_)} here"
+    return f"{key} is {there} there, {here} here"
+
+
+def _named(entry: Any) -> str:
+    """Write a connection, or a variable by its name; what one run has and the other has not is nothing."""
+    if isinstance(entry, list):
+        return shown(f"{entry[0]} to {entry[1]} {entry[2:]}" if len(entry) > 2 else str(entry))
+    return "none" if entry is None else str(entry)

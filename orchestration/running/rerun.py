@@ -42,6 +42,9 @@ class Rerun:
         return None if self.compared is None else self.deviation is None
 
 
+_NEEDED = {"system", "settings"}
+
+
 def rerun(
     manifest: str | Path | Mapping[str, Any],
     *,
@@ -56,7 +59,11 @@ def rerun(
     result is compared with the file beside the manifest, bit by bit. `timeout`, `progress` and `isolated` are those of
     `run`. Raises AdcsError if it cannot be repeated at all.
     """
+    if isinstance(manifest, Result):
+        raise AdcsError("manifest: give result.manifest of this result, or the manifest.json of a run")
     beside, old = (None, manifest) if isinstance(manifest, Mapping) else _read(manifest)
+    if not old.keys() >= _NEEDED:
+        raise AdcsError("manifest: this dict is not that of a run: give result.manifest, or the manifest.json of one")
     try:
         _refuse(old)
         changed = list(_changed_fmus(old, beside))
@@ -88,7 +95,7 @@ def _read(given: str | Path) -> tuple[Path, Mapping[str, Any]]:
         raise AdcsError(f"{path}: {error.strerror}: give the manifest.json of a run, or its folder") from error
     except ValueError as error:
         raise AdcsError(f"{path} is no manifest: give the manifest.json of a run, or its folder") from error
-    if not isinstance(manifest, dict) or not {"system", "settings"} <= manifest.keys():
+    if not isinstance(manifest, dict) or not manifest.keys() >= _NEEDED:
         raise AdcsError(f"{path} is not the manifest of a run: give the manifest.json of one, or its folder")
     return path.absolute().parent, manifest
 

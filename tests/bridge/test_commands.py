@@ -44,6 +44,10 @@ def test_a_run_writes_a_log_without_network_and_a_replay_sends_it(monkeypatch, c
     assert code == 0
     assert json.loads(out)["outcome"]["status"] == "complete"
     assert json.loads((tmp_path / "manifest.json").read_text())["tlog"] == str(log)
+    kept = log.read_bytes()
+    code, _, err = call(monkeypatch, capsys, "run", "full-state-pd", *options)
+    assert (code, err) == (2, f"adcs: --tlog {log} is there already: give another name\n")
+    assert log.read_bytes() == kept
     station = Udp()
     to = f"udpout:127.0.0.1:{station.port}"
     code, _, err = call(monkeypatch, capsys, "replay", log, "--to", to, "--real-time", 4)

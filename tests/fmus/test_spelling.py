@@ -12,6 +12,7 @@ GREEK = ("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta")
     [
         ("gama", "did you mean gamma?"),
         ("ta", "did you mean eta or zeta or beta?"),
+        ("e", "did you mean epsilon or eta?"),
         ("Z", "it has alpha, beta, gamma, delta, epsilon, zeta and 2 more"),
         ("Z" * 1000, "it has alpha, beta, gamma, delta, epsilon, zeta and 2 more"),
     ],

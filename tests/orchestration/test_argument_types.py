@@ -41,7 +41,6 @@ METHODS = 'expected adcs.CoSimulation() or adcs.ModelExchange("DOP853")'
 OF_RUN = [
     ({"step": None}, "step: chain has none of its own, give it"),
     ({"stop_time": None}, "stop_time: chain has none of its own, give it"),
-    ({"method": "model-exchange"}, f"method = 'model-exchange': {METHODS}"),
     ({"method": ModelExchange}, METHODS),
     ({"method": None}, f"method = None: {METHODS}"),
     ({"save": ["gain.y"]}, "save = ['gain.y']: expected adcs.Save([\"plant.q_BN\"])"),
@@ -87,10 +86,40 @@ OF_SESSION = [
     ({"stepping": "fast"}, "stepping = 'fast' is unknown: use 'compiled' or 'python'"),
     ({"fmi_version": 2.0}, "fmi_version = 2.0 is unknown: use '2.0' or '3.0'"),
 ]
-OLD = [
-    ({"until": "time > 1"}, "until: run() has no such argument any more: write hooks=[adcs.until(condition)]"),
-    ({"record": ["gain.y"]}, "record: run() has no such argument any more: write save=adcs.Save([names])"),
-    ({"timeout": 5.0}, "write method=adcs.CoSimulation(timeout=seconds)"),
+UNKNOWN = [
+    ({"until": "time > 1"}, "until: run() has no such argument: write hooks=[adcs.until('time > 1')]"),
+    ({"record": ["gain.y"]}, "record: run() has no such argument: write save=adcs.Save(['gain.y'])"),
+    ({"timeout": 5.0}, "write method=adcs.CoSimulation(timeout=5.0)"),
+    ({"changes": [(1, "gain.k", 2)]}, "write hooks=[adcs.at(time, {name: value})]"),
+    ({"watchers": []}, "watchers: run() has no such argument: write hooks=[...]"),
+    (
+        {"rtol": 1e-6, "solver": "CVODE", "record": ["gain.y"], "record_every": 2, "real_time": 1, "until": "time > 1"},
+        "rtol, solver, record, record_every, real_time, until: run() has no such arguments: write "
+        "method=adcs.ModelExchange('CVODE', rtol=1e-06), save=adcs.Save(['gain.y'], every=2), "
+        "hooks=[adcs.pace(1), adcs.until('time > 1')]",
+    ),
+    ({"method": "model-exchange"}, "method: run() takes no text for a method: write method=adcs.ModelExchange()"),
+    (
+        {"method": "co-simulation", "timeout": 5},
+        "method, timeout: run() takes no text for a method: write method=adcs.CoSimulation(timeout=5)",
+    ),
+    ({"stop": 1}, "stop: run() has no such argument: did you mean stop_time?"),
+    ({"stoptime": 1}, "stoptime: run() has no such argument: did you mean stop_time?"),
+    ({"start": 1}, "start: run() has no such argument: did you mean start_time?"),
+    ({"fmi": "3"}, "fmi: run() has no such argument: did you mean fmi_version?"),
+    ({"loops": "newton"}, "loops: run() has no such argument: write method=adcs.CoSimulation(loops='newton')"),
+    ({"to": "x.h5"}, "to: run() has no such argument: write save=adcs.Save(to='x.h5')"),
+    ({"set": {}}, "set: run() has no such argument: write system.set(name, value) before"),
+    ({"delay": 1}, "delay: run() has no such argument: write system.delay(target, seconds=...) before"),
+    (
+        {"out": "x"},
+        "out: run() has no such argument: write result.write_csv(path) of what it returns, or save=adcs.Save(to=path) "
+        "for HDF5",
+    ),
+    (
+        {"xyzzy": 1},
+        "xyzzy: run() has no such argument: it has system, stop_time, step, start_time, method, save and 5 more",
+    ),
 ]
 
 
@@ -111,14 +140,29 @@ def test_parts_of_a_run(made, said):
     assert refusal(made).endswith(said)
 
 
-@pytest.mark.parametrize(("old", "said"), OLD, ids=lambda value: str(value)[:40])
-def test_arguments_of_one_version_ago_are_told_what_stands_for_them(chain, old, said):
-    assert refusal(lambda: run(chain(), **TIMES | old)).endswith(said)
+@pytest.mark.parametrize(("unknown", "said"), UNKNOWN, ids=lambda value: str(value)[:40])
+def test_arguments_that_run_does_not_have_are_told_what_stands_for_them(chain, unknown, said):
+    assert refusal(lambda: run(chain(), **TIMES | unknown)).endswith(said)
 
 
-def test_linearize_is_told_as_well(chain):
-    said = "rtol: linearize() has no such argument any more: write method=adcs.ModelExchange("
-    assert refusal(lambda: linearize(chain(), rtol=1e-8)).startswith(said)
+@pytest.mark.parametrize(
+    ("unknown", "said"),
+    [
+        ({"rtol": 1e-8}, "rtol: linearize() has no such argument: write method=adcs.ModelExchange(rtol=1e-08)"),
+        ({"loops": "newton"}, "write method=adcs.ModelExchange(loops='newton')"),
+        ({"at": 5}, "at: linearize() has no such argument: write time=5"),
+        ({"minimal": True}, "minimal: linearize() has no such argument: did you mean minimal_coordinates?"),
+    ],
+)
+def test_linearize_is_told_as_well(chain, unknown, said):
+    assert refusal(lambda: linearize(chain(), **unknown)).endswith(said)
+
+
+def test_steps_are_told_as_well(chain):
+    assert refusal(lambda: steps(chain(), stop=1)) == "stop: steps() has no such argument: did you mean stop_time?"
+    assert refusal(lambda: steps(chain(), save=["gain.y"])) == (
+        "save: steps() has no such argument: write record=['gain.y']"
+    )
 
 
 @pytest.mark.parametrize(("wrong", "said"), WRONG + RECORD, ids=lambda value: str(value)[:30])
@@ -200,6 +244,7 @@ def test_a_system(chain, mock):
         ({"factor": "2"}, "factor = '2': expected a number, 2 without quotes"),
         ({"offset": [1.0]}, "offset = [1.0]: expected a number"),
         ({"delay": "0.1"}, "delay = '0.1': expected a number, 0.1 without quotes"),
+        ({"delay": "10 days"}, "delay: '10 days' is not a time: 'days' is no unit, use us or ms or s or min or h"),
         ({"delay": None}, "delay = None: expected a number"),
         ({"delay_steps": "1"}, "delay_steps = 1, delay = 0.0 s: expected a whole number, a time"),
         ({"mapping": 3}, "mapping = 3: expected pairs of numbers, (from, to)"),
@@ -238,3 +283,62 @@ def test_a_mapping_may_be_an_array(mock):
 )
 def test_what_else_is_called(call, said):
     assert refusal(call).startswith(said)
+
+
+def test_a_delay_is_a_time_with_or_without_its_unit(chain):
+    delays = []
+    for delay in (0.01, "10ms", "0.01s"):
+        system = chain()
+        system.disconnect("gain.u")
+        system.connect("source.y", "gain.u", delay=delay)
+        delays.append(system.connections[-1].delay)
+        system.delay("gain.u", seconds=delay if isinstance(delay, str) else 0.01)
+        delays.append(system.connections[-1].delay)
+    assert delays == [0.01] * 6
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("plant.q_BN", "1,0,0,0", "plant.q_BN = '1,0,0,0': expected a list, [1, 0, 0, 0]"),
+        ("plant.q_BN", "[1,0,0,0]", "plant.q_BN = '[1,0,0,0]': expected a list, [1, 0, 0, 0]"),
+        ("plant.omega_BN_B", "0.05deg", "plant.omega_BN_B = '0.05deg': expected a number, in rad/s"),
+        ("tracker.half_angle", "0.05deg", "tracker.half_angle = '0.05deg': expected a number, in rad"),
+        ("tracker.half_angle", "0.05", "tracker.half_angle = '0.05': expected a number, in rad, 0.05 without quotes"),
+    ],
+)
+def test_a_start_value_as_a_command_line_has_it(name, value, said):
+    system = adcs.systems()["observer-pd"].build()
+    assert refusal(lambda: system.set(name, value)) == said
+
+
+def test_results_and_manifests(chain):
+    result = run(chain(), **TIMES)
+    assert refusal(lambda: result["time"]) == "'time' is no variable: it is result.time"
+    assert refusal(lambda: result.select("gain.y")) == "names = 'gain.y': expected a list, ['gain.y']"
+    assert refusal(lambda: adcs.rerun({})) == (
+        "manifest: this dict is not that of a run: give result.manifest, or the manifest.json of one"
+    )
+    assert refusal(lambda: adcs.rerun(result)) == (
+        "manifest: give result.manifest of this result, or the manifest.json of a run"
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("simulate", "adcs has no 'simulate'; dir(adcs) shows all"),
+        ("Change", "adcs has no 'Change'; dir(adcs) shows all"),
+        ("linearise", "adcs has no 'linearise'; did you mean linearize?"),
+        ("Sesion", "adcs has no 'Sesion'; did you mean Session?"),
+    ],
+)
+def test_what_adcs_does_not_have(name, said):
+    with pytest.raises(AttributeError) as error:
+        getattr(adcs, name)
+    assert str(error.value) == said
+
+
+def test_the_beginning_of_a_name(chain):
+    said = refusal(lambda: run("observer-pd", stop_time=1, save=adcs.Save(["plant.q"])))
+    assert said == "component 'plant' (RigidBody.fmu) has no variable 'q': did you mean q_BN?"

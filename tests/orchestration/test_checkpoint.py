@@ -106,14 +106,21 @@ def test_refused(tmp_path, chain):
         assert message in str(error.value)
 
     refused(t5(), f"{state} is of another run: step is 0.01 there, 0.02 here", step=0.02, resume=state)
-    refused(t5(), "recorded variables is not the same", save=Save(["plant.q_BN"]), resume=state)
-    refused(t5(), "FMUs is not the same", fmi_version="3.0", resume=state)
-    refused(SYSTEMS["full-state-pd"].build(), "FMUs is not the same", resume=state)
+    refused(
+        t5(),
+        "the recorded variables are not the same, guidance.angle there is plant.q_BN here",
+        save=Save(["plant.q_BN"]),
+        resume=state,
+    )
+    refused(t5(), "the FMUs are not the same, guidance is the first that differs", fmi_version="3.0", resume=state)
+    refused(
+        SYSTEMS["full-state-pd"].build(), "the FMUs are not the same, observer is the first that differs", resume=state
+    )
     refused(t5(), f"{state} is at t = 1 s, after stop_time = 0.5 s", stop_time=0.5, resume=state)
     refused(t5(), "cannot open", resume=tmp_path / "nothing")
     other = t5()
     other.set("controller.k_p", 9.0)
-    refused(other, "start values is not the same", resume=state)
+    refused(other, "the start values of controller are not the same, k_p is the first that differs", resume=state)
     refused(t5(), "the change of controller.k_p at 0.5 s lies before the checkpoint, 1 s", resume=state,
             hooks=[adcs.at(0.5, {"controller.k_p": 2.0})])  # fmt: skip
     refused(t5(), "checkpoint: every = 0 s: expected a positive time", hooks=[adcs.checkpoint(state, every=0)])

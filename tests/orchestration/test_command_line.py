@@ -194,6 +194,7 @@ def test_usage_errors_are_one_line_and_exit_with_2(capsys, arguments, message):
     ("words", "message"),
     [
         (("runn", "x"), "no command 'runn': did you mean run or rerun? `adcs --help` shows all"),
+        (("help",), "no command 'help': `adcs --help` shows all"),
         (("frobnicate",), "no command 'frobnicate': `adcs --help` shows all"),
         (("--frobnicate",), "no command '--frobnicate': `adcs --help` shows all"),
         (("run",), "SYSTEM is missing: `adcs run --help` shows all"),

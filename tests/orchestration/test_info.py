@@ -3,11 +3,13 @@
 import json
 
 import pytest
+from rich.console import Console
 
 import fmus
-from adcs import AdcsError, write_ssp
+from adcs import AdcsError, components, write_ssp
 from adcs.catalogue import SYSTEMS
 from adcs.cli.app import app
+from fmus.build import describe
 from tests.invoking import invoke
 
 
@@ -63,6 +65,58 @@ def test_which_parameters_may_change_in_a_run():
     assert "tunable" in info(fmus.fmu_path("PdTracking"))
 
 
+_COLUMNS = ["80", "100", "140", None]
+
+
+def _at(columns, monkeypatch):
+    monkeypatch.delenv("COLUMNS", raising=False)
+    if columns is not None:
+        monkeypatch.setenv("COLUMNS", columns)
+    monkeypatch.setattr("adcs.cli.columns.OUT", Console())
+
+
+@pytest.mark.parametrize("columns", _COLUMNS)
+@pytest.mark.parametrize("name", ["RigidBody", "PdTracking", "StarTracker", "SmoothRateObserver"])
+def test_nothing_is_lost_at_any_width(name, columns, monkeypatch):
+    _at(columns, monkeypatch)
+    shown = info(name)
+    table = shown[shown.index("Variable ") :].splitlines()
+    assert max(map(len, table)) <= int(columns or 1000)
+    words = " ".join(shown.split())
+    for v in describe(name).variables:
+        if v.causality != "independent":
+            line = next(line.split() for line in table if line.split()[0] == v.name)
+            assert line[1].rstrip(",") == v.causality
+            assert ("tunable" in line) == (v.variability == "tunable")
+            assert " ".join(f"{x:g}" for x in v.start or ()) in words
+            assert (f"{v.description} ({v.bounds})" if v.bounds else v.description) in words
+
+
+@pytest.mark.parametrize("columns", _COLUMNS)
+def test_the_list_is_whole_at_any_width(columns, monkeypatch):
+    _at(columns, monkeypatch)
+    shown = invoke(app, ["list"]).stdout
+    assert max(map(len, shown.splitlines())) <= int(columns or 1000)
+    words = " ".join(shown.split())
+    for name, about in {
+        **{c.name: c.summary for c in components()},
+        **{n: s.description for n, s in SYSTEMS.items()},
+    }.items():
+        assert f"\n{name}" in shown
+        assert about in words
+
+
+def test_how_a_variable_is_shown(monkeypatch):
+    _at("80", monkeypatch)
+    assert """
+J_B                   parameter, tunable  3 x 3  kg.m2
+    Start: 10 1.2 0.5 1.2 19 1.5 0.5 1.5 25
+    inertia about the centre of mass, in B (inertia matrix)
+q_BN                  output              4      1       1 0 0 0
+    attitude of B relative to N (unit quaternion)
+""" in info("RigidBody")
+
+
 @pytest.mark.parametrize(
     ("name", "message"),
     [
@@ -70,8 +124,8 @@ def test_which_parameters_may_change_in_a_run():
         ("none.ssp", "cannot open none.ssp: No such file or directory"),
         (
             "RigidBdy",
-            "no component is called RigidBdy: did you mean RigidBody or OrbitingBody, or give a system, or an .fmu or "
-            ".ssp file",
+            "no component is called RigidBdy: did you mean RigidBody or OrbitingBody, or give a system, or an .fmu, "
+            ".ssp or .py file",
         ),
     ],
 )

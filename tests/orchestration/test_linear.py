@@ -389,6 +389,16 @@ def test_command_line(tmp_path, mock):
         assert message in str(failed.exception)
 
 
+def test_a_file_that_is_there_is_replaced_only_by_force(tmp_path):
+    file = tmp_path / "pd.json"
+    file.write_text("mine")
+    refused = adcs("PdTracking", "--out", str(file))
+    assert str(refused.exception) == f"--out {file} is there already: give another name, or --force to replace it"
+    assert file.read_text() == "mine"
+    assert adcs("PdTracking", "--out", str(file), "--force").exit_code == 0
+    assert json.loads(file.read_text())["states"] == []
+
+
 def test_an_ssp_file_is_linearised_like_its_system(tmp_path):
     from adcs import write_ssp
 

@@ -156,6 +156,11 @@ def test_a_delay_is_a_number_of_steps_or_a_time_with_its_unit(capsys):
     )
 
 
+def test_steps_beyond_counting_are_told_their_limit(capsys):
+    assert adcs("run", "observer-pd", "--every", "controller=99999999999") == 2
+    assert capsys.readouterr().err == "adcs: --every controller=99999999999: expected at most 999999999 steps\n"
+
+
 @pytest.mark.parametrize(("command", "old"), [(c, old) for c, names in RENAMED.items() for old in names])
 def test_an_old_name_is_told_the_new_one(command, old, capsys):
     new = RENAMED[command][old]

@@ -14,12 +14,13 @@ from orchestration.results.plots import Panel, Series
 from orchestration.results.report import KeyNumber, Table, format_cell
 
 EVIL = "<script>alert('x')</script> & more"
+SUM = "0123456789abcdef" * 4
 MANIFEST = {
     "started": "2020-01-01",
     "system": {
         "name": "loop",
         "components": {
-            "plant": {"sha256": "ab12", "start": {"J_B": [[1.0, 0.0], [0.0, 2.0]], "gain": 0.5}},
+            "plant": {"sha256": SUM, "start": {"J_B": [[1.0, 0.0], [0.0, 2.0]], "gain": 0.5}},
             "tracker": {"sha256": "cd34"},
         },
         "connections": [["plant.q", "tracker.q"], ["tracker.q", "law.q"]],
@@ -122,13 +123,14 @@ def test_manifest_is_laid_out(written: Path) -> None:
         "system": [["name", "value"], ["name", "loop"]],
         "system: components": [
             ["name", "sha256", "start"],
-            ["plant", "ab12", "J_B = 1, 0, 0, 2, gain = 0.5"],
+            ["plant", "0123456789ab", "J_B = 1, 0, 0, 2, gain = 0.5"],
             ["tracker", "cd34", report.ABSENT],
         ],
         "system: connections": [["from", "to"], ["plant.q", "tracker.q"], ["tracker.q", "law.q"]],
         "settings": [["name", "value"], ["step", "0.01"], ["solver", report.ABSENT]],
         "runs": [["label", "seed"], ["first", "3"], ["second", report.ABSENT]],
     }
+    assert run.xpath(".//td/@title") == [SUM, "cd34"]
     assert json.loads(run.xpath(".//details[@class='long']/pre/text()")[0]) == MANIFEST
 
 

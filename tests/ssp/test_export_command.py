@@ -90,8 +90,8 @@ def test_a_file_is_replaced_whole_or_not_at_all(export, tmp_path, monkeypatch):
     ("arguments", "message"),
     [
         (["nonsense"], "no system 'nonsense': `adcs list` shows all; or give an .ssp, .py or .fmu file"),
-        (["observer-pd", "--ssp", "x.zip"], "x.zip does not end in .ssp"),
-        (["x.ssp"], "say where to: adcs export x.ssp --ssp FILE.ssp"),
+        (["observer-pd", "--ssp", "x.zip"], "x.zip does not end in .ssp: write adcs export observer-pd x.ssp"),
+        (["x.ssp"], "say where to: adcs export x.ssp FILE.ssp"),
         (["x.ssp", "y.ssp"], "cannot open x.ssp"),
         (["x.ssp", "y.ssp", "--fmi", "3"], "the FMUs in x.ssp stay as they are"),
         (["observer-pd", "--set", "tracker.seed"], "--set tracker.seed: expected COMPONENT.VARIABLE=VALUE"),

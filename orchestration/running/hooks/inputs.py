@@ -29,11 +29,14 @@ class Table:
     last time they keep the values there.
     """
 
-    def __init__(self, system: System, times: Floats, columns: dict[str, Floats]) -> None:
-        """`times` (n,) in s, increasing; `columns` give (n,) or (n, size) by `component.variable` or an element."""
+    def __init__(self, system: System, times: Floats, columns: dict[str, Floats], source: str = "inputs") -> None:
+        """`times` (n,) in s, increasing; `columns` give (n,) or (n, size) by `component.variable` or an element.
+
+        `source` is where they come from, for errors.
+        """
         times = np.asarray(times, float)
         if len(times) == 0 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
-            raise AdcsError("inputs: times must be finite and increasing, and there must be at least one")
+            raise AdcsError(f"{source}: times must be finite and increasing, and there must be at least one")
         self.names = list(columns)
         self._times = times
         self._continuous: list[bool] = []
@@ -42,8 +45,11 @@ class Table:
             end = system.end(name)
             part = np.asarray(values).reshape(len(times), -1)
             if part.shape[1] != len(end.elements):
-                raise AdcsError(f"inputs: {name} has {len(end.elements)} elements, the table has {part.shape[1]}")
-            _check(name, end.port.type, times, part)
+                raise AdcsError(
+                    f"{source}: {name} has {len(end.elements)} elements, the table has {part.shape[1]}: give each a "
+                    f"column, {name}[{','.join('1' * len(end.shape))}] and so on"
+                )
+            _check(source, name, end.port.type, times, part)
             parts.append(part.astype(float))
             self._continuous += [end.port.type.startswith("Float")] * part.shape[1]
         self._parts = parts
@@ -62,7 +68,10 @@ class Table:
             raise AdcsError(f"{path}: time is in {_name(header[0])[1]!r}, expected 's'")
         columns: dict[str, Floats] = {}
         for column, text in enumerate(header[1:], 1):
-            name, unit = _known(system, text)
+            try:
+                name, unit = _known(system, text)
+            except AdcsError as error:
+                raise AdcsError(f"{path}: {error}") from None
             if name in columns:
                 raise AdcsError(f"{path}: {name} has two columns")
             port = system.port(name)[1]
@@ -72,7 +81,7 @@ class Table:
             whole = port.type in ("Int64", "UInt64")
             if whole and (np.abs(columns[name]) >= EXACT).any():  # which may have been rounded
                 columns[name] = whole_column(path, column)
-        return cls(system, table[:, 0], columns)
+        return cls(system, table[:, 0], columns, str(path))
 
     def rows(self) -> Iterator[tuple[float, str, list[Any]]]:
         """Yield all that is in the table: time [s], name and values."""
@@ -94,7 +103,7 @@ class Table:
         return values
 
 
-def _check(name: str, type_: str, times: Floats, values: NDArray[Any]) -> None:
+def _check(source: str, name: str, type_: str, times: Floats, values: NDArray[Any]) -> None:
     """Refuse by name, value and time what the input's type does not hold, or what a double could not hand on."""
     misfit = first_misfit(type_, values)
     if misfit is None and values.dtype.kind != "f" and not type_.startswith("Float"):
@@ -103,7 +112,7 @@ def _check(name: str, type_: str, times: Floats, values: NDArray[Any]) -> None:
     if misfit is not None:
         index, why = misfit
         value, row = values.ravel().tolist()[index], index // values.shape[1]
-        raise AdcsError(f"inputs: {name} = {value!r} at {times[row]:g} s{why}")
+        raise AdcsError(f"{source}: {name} = {value!r} at {times[row]:g} s{why}")
 
 
 _HEADER = re.compile(r"(?P<name>.*?)(?:\[(?P<unit>[^\[\]]*)\])?", re.DOTALL)

@@ -34,12 +34,15 @@ def read_table(path: Path, *, header: bool) -> tuple[list[str], Floats]:
                     continue
                 if width is None:
                     width = len(row)
+                    if ";" in row[0]:
+                        raise AdcsError(f"{path} is separated by semicolons: separate it by commas, as in 0.5,1.25")
                     if header:
                         names = row
                         continue
                 if len(row) != width:
                     raise AdcsError(
-                        f"{path}, line {line}: {len(row)} values, the first line has {width}{' names' * header}"
+                        f"{path}, line {line}: {len(row)} values, the first line has {width}"
+                        + " names, of arrays NAME[1],NAME[2],..." * header
                     )
                 numbers.extend(map(float, row))
     except OSError as error:

@@ -69,7 +69,9 @@ def find_component(name: str) -> Component:
 
 def names_system(name: str) -> bool:
     """Whether a name is that of a system, or of a file with one; not that of a component, which can be one as well."""
-    return name in SYSTEMS or is_ssp(name) or is_python(name) or name in others.names()
+    if name in SYSTEMS or is_ssp(name) or is_python(name):
+        return True
+    return name in others.names() and name not in (component.name for component in catalog.components())
 
 
 def fmus_meant(name: str) -> list[Path]:
@@ -92,12 +94,12 @@ def find_system(name: str) -> SystemEntry:
     if is_file(name):
         return system_from_file(name)
     if name not in SYSTEMS:
-        brought = others.names()
-        if name in brought:
-            return others.load(brought[name])
         components = [component.name for component in catalog.components()]
         if name in components:
             return component_alone(name)
+        brought = others.names()
+        if name in brought:
+            return others.load(brought[name])
         meant = close(name, [*SYSTEMS, *brought, *components])
         hint = f"did you mean {meant}? " if meant else ""
         raise AdcsError(f"no system {shown(repr(name))}: {hint}{_WAY_OUT}")

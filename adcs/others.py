@@ -24,7 +24,7 @@ def load(point: EntryPoint) -> SystemEntry:
             found = found()  # type: ignore[operator]
     except AdcsError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         why = f"{type(error).__name__}: {shown(str(error))}"
         raise AdcsError(f"the system {point.name} of {_package(point)} cannot be loaded: {why}") from error
     if isinstance(found, System):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import logging
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -18,8 +17,8 @@ from fmus.describe import Description, described, parse
 from fmus.errors import AdcsError
 from fmus.files import digest, write_atomically
 from fmus.lock import Lock
-from fmus.pack import FILE_NAMES, Parts, licences, pack
-from fmus.paths import BUILD, DIST, EIGEN, SOURCES
+from fmus.pack import FILE_NAMES, Parts, is_own, licences, pack
+from fmus.paths import BUILD, DIST, EIGEN, FMI_HEADERS, SOURCES
 from fmus.toolchain import (
     TARGETS,
     Step,
@@ -59,12 +58,12 @@ def build(
     """
     if isinstance(names, str):
         raise AdcsError(f"names = {names!r}: expected a list, [{names!r}]")
-    components = [catalog.find(name) for name in names] if names else catalog.components()
+    components = [each for name in names for each in catalog.meant(name)] if names else catalog.components()
     targets = TARGETS if all_platforms else (host(),)
     with _compiled(components, targets, work, progress, len(FILE_NAMES)) as (plans, count):
         built = []
         for plan in plans:
-            for path in plan.pack(plan.component.header.parent if plan.component.outside else dist):
+            for path in plan.pack(plan.component.home or dist):
                 count(path.name)
                 built.append(path)
     if not names:
@@ -143,7 +142,7 @@ class _Plan:
         self._work = self._own = work
         self._roots = () if component.root is None else (component.root,)
         if component.outside:
-            self._own = work / "outside" / hashlib.sha256(str(component.header).encode()).hexdigest()[:12]
+            self._own = work / "outside" / component.key
         self._include = tuple(f"-I{root}" for root in self._roots)
         self._model = self._own / "models" / component.name / "model.cpp"
         code = f'#include "{component.include}"\n#include "fmi/export.hpp"\n\nADCS_EXPORT({component.name})\n'
@@ -197,6 +196,8 @@ class _Plan:
         for version, pattern in FILE_NAMES.items():
             path = dist / pattern.format(self.component.name)
             known = freshness.read_record(path)
+            if known is None and self.component.outside and path.exists() and not is_own(path):
+                raise AdcsError(f"{path} is there already, and not of this project's making: move it away")
             if known is None or known.without_fmu() != record:
                 parts = parts or self.parts()
                 write_atomically(path, pack(self.component, parts, version))
@@ -243,8 +244,15 @@ class _Plan:
         included = {file for step in (*self.headers, *self.compiles) for file in included_files(step)}
         files = included | {file for step in self.links for file in step.inputs}
         inside = {f.relative_to(SOURCES).as_posix(): digest(f) for f in sorted(files) if f.is_relative_to(SOURCES)}
-        outside = {str(f): digest(f) for root in self._roots for f in sorted(files) if f.is_relative_to(root)}
-        return inside | outside
+        others = (SOURCES, EIGEN, FMI_HEADERS, self._work)
+        outside = [f for f in sorted(files) if self._roots and not any(f.is_relative_to(place) for place in others)]
+        for file in outside:
+            if not any(file.is_relative_to(root) for root in self._roots):
+                raise AdcsError(
+                    f"{self.component.header} includes {file}, which its FMU's sources cannot hold: put it into the "
+                    "folder of the header"
+                )
+        return inside | {str(file): digest(file) for file in outside}
 
     def _compile_adaptor(self, name: str, target: Target) -> Step:
         return compile_step(SOURCES / "fmi" / f"{name}.cpp", self._object(name, target), target)

@@ -1,5 +1,7 @@
 """The components: one C++ header each, found in the source tree, or where somebody else has it."""
 
+import hashlib
+import os
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -7,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 from fmus.errors import AdcsError
-from fmus.paths import SOURCES
+from fmus.paths import BUILD, SOURCES
 from fmus.spelling import close
 
 KINDS = {
@@ -43,6 +45,19 @@ class Component:
         return self.root is not None
 
     @property
+    def key(self) -> str:
+        """Stands for the place of a header from elsewhere, of which several may have one name."""
+        return hashlib.sha256(str(self.header).encode()).hexdigest()[:12]
+
+    @property
+    def home(self) -> Path | None:
+        """The folder of the FMUs of a header from elsewhere: its own, if that can be written to."""
+        if not self.outside:
+            return None
+        beside = self.header.parent
+        return beside if os.access(beside, os.W_OK) else BUILD / "outside" / self.key / "fmus"
+
+    @property
     def source(self) -> str:
         """What it is found by: its name, or the path of a header from elsewhere."""
         return str(self.header) if self.outside else self.name
@@ -64,6 +79,20 @@ def components() -> list[Component]:
     return [component for header, kind in headers if (component := _component(header, kind))]
 
 
+_FILE_NAME = "[a-z][a-z0-9]*(_[a-z][a-z0-9]*)*"  # so that no two names become one in CamelCase
+
+
+def meant(name: str) -> list[Component]:
+    """The components that a name, a header, or a folder of headers stands for; AdcsError if there is none."""
+    if not Path(name).is_dir():
+        return [find(name)]
+    headers = (path for path in sorted(Path(name).glob("*.hpp")) if "declare(" in path.read_text(errors="replace"))
+    found = [from_header(path) for path in headers]
+    if not found:
+        raise AdcsError(f"{name} has no header of a component: `adcs new controller my_law --to {name}` writes one")
+    return found
+
+
 def is_header(name: str | Path) -> bool:
     """Whether this is the path of a component's header."""
     return Path(name).suffix == ".hpp"
@@ -74,6 +103,8 @@ def from_header(path: Path) -> Component:
     header = path.absolute()
     if not header.is_file():
         raise AdcsError(f"{path} is no file")
+    if not re.fullmatch(_FILE_NAME, header.stem):
+        raise AdcsError(f"{path}: small letters, digits and underscores make the name of a header, as in my_law.hpp")
     found = _component(header, "controller")
     if found is None:
         raise AdcsError(f"{path} declares no component: `adcs new controller my_law` writes one to begin with")

@@ -25,7 +25,8 @@ def fmu_path(name: str, fmi_version: str = "2.0") -> Path:
         raise AdcsError(f"FMI version {fmi_version} is not made: expected {' or '.join(FILE_NAMES)}")
     component = find(name)
     path = place(component, fmi_version)
-    why = freshness.outdated(path, toolchain.host().name, toolchain.compiler())
+    header = str(component.header) if component.outside else None
+    why = freshness.outdated(path, toolchain.host().name, toolchain.compiler(), header)
     if why is not None:
         _make(component, f"{path.name} {why}")
     return path
@@ -33,7 +34,7 @@ def fmu_path(name: str, fmi_version: str = "2.0") -> Path:
 
 def place(component: Component, fmi_version: str) -> Path:
     """Where the FMU is if it is built."""
-    folder = component.header.parent if component.outside else paths.DIST
+    folder = component.home or paths.DIST
     return folder / FILE_NAMES[fmi_version].format(component.name)
 
 

@@ -74,21 +74,23 @@ def forget(fmu: Path) -> None:
     _place(fmu).unlink(missing_ok=True)
 
 
-def outdated(fmu: Path, platform: str, compiler: str = "") -> str | None:
+def outdated(fmu: Path, platform: str, compiler: str = "", header: str | None = None) -> str | None:
     """Say why an FMU cannot be taken on this platform, in words that follow its name; None if it can.
 
-    `compiler` is the one that there is, empty if there is none.
+    `compiler` is the one that there is, empty if there is none; `header` one from elsewhere, of which it has to be.
     """
     if not fmu.is_file():
         return "is not built"
     record = read_record(fmu)
     if record is None:
         return "is not as it was built"
+    if header is not None and header not in record.sources:
+        return "was built from another header"
     changed = [name for name, known in record.sources.items() if digest(str(SOURCES / name)) != known]
     if changed:
         first = min(changed, key=lambda name: (name.startswith("fmi/"), name))
         more = f" (and {len(changed) - 1} more)" if len(changed) > 1 else ""
-        return f"was built from another src/{first}{more}"
+        return f"was built from another {first if Path(first).is_absolute() else f'src/{first}'}{more}"
     if record.packer != _packer():
         return "was packed by another version of adcs-fmus"
     if record.compiler and compiler and record.compiler != compiler:

@@ -7,6 +7,7 @@ import time
 import zipfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 from lxml import etree
 
@@ -49,6 +50,15 @@ class Parts:
     """Of what is compiled in, by the names of their files."""
     made_of: Mapping[str, str]
     """The files of `src/` that all this was made of, and the digests of their contents."""
+
+
+def is_own(path: Path) -> bool:
+    """Whether a file is an FMU that this project has made."""
+    try:
+        with zipfile.ZipFile(path) as archive, archive.open("modelDescription.xml") as description:
+            return b'generationTool="adcs-fmus' in description.read(2000)
+    except (OSError, KeyError, zipfile.BadZipFile):
+        return False
 
 
 def pack(component: Component, parts: Parts, fmi_version: str) -> bytes:

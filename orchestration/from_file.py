@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -54,7 +55,8 @@ def _from_python(name: str) -> SystemEntry:
 
 
 def entry_of(system: System, name: str) -> SystemEntry:
-    """Return a system with a name, and with times where it has none."""
+    """Return a system with a name that can be one of a folder, and with times where it has none."""
+    name = re.sub(r"[^\w-]+", "-", name).strip("-") or "system"
     own = system.times or Times(0.0, _STOP, _STOP / _STEPS, ("stop_time", "step"))
     return _entry(name, system, own.start, own.stop, own.step, own.assumed)
 

@@ -38,6 +38,7 @@ def system_from_python(name: str) -> System:
         raise AdcsError(f"{path} is no file")
     folder = str(path.absolute().parent)
     sys.path.insert(0, folder)  # for what the file imports from beside itself
+    before = set(sys.modules)
     try:
         module = _loaded(path)
         makers = _makers(module)
@@ -54,6 +55,9 @@ def system_from_python(name: str) -> System:
         system = _told(path, makers[wanted])
     finally:
         sys.path.remove(folder)
+        for name in set(sys.modules) - before:  # another file may have others of these names beside it
+            if Path(getattr(sys.modules[name], "__file__", None) or "/").is_relative_to(folder):
+                del sys.modules[name]
     if not isinstance(system, System):
         raise AdcsError(f"{path}:{wanted} returned {shown(repr(system))}: expected an adcs.System")
     return system

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fmus.catalog import is_header
 from fmus.errors import AdcsError, shown
 from fmus.spelling import hint
 from orchestration import expected, overview
@@ -208,6 +209,8 @@ class System:
         if name in self.components:
             raise AdcsError(f"system {self.name!r} already has a component {name!r}: give another name")
         every = expected.count(f"component {name!r}: every", every, "a whole number of exchange steps")
+        if is_header(fmu):  # which is meant from here, wherever it is asked for later
+            fmu = str(Path(fmu).absolute())
         # Both files of a component built here say the same: the wiring is checked on whichever exists.
         component = Component(name, fmu, open_fmu(_any_version(fmu)), {}, every)
         given = dict(start or {})

@@ -14,7 +14,7 @@ from adcs.cli.command import at_work, command
 from adcs.cli.printing import ERR, OUT, Json, print_json
 from fmus.build import build
 from fmus.built import fmus_of
-from fmus.catalog import Component, components, find
+from fmus.catalog import Component, components, meant
 from fmus.toolchain import is_installed
 
 app = command(
@@ -24,12 +24,12 @@ app = command(
 
 @app.default
 def build_command(
-    *names: Annotated[str, Parameter(help="Components; all if left out.")],
+    *names: Annotated[str, Parameter(help="Components, headers, or folders of headers; all components if left out.")],
     all_platforms: Annotated[bool, Parameter(help="For Linux, Windows and macOS, not only this machine.")] = False,
     as_json: Json = False,
 ) -> None:
     """Build FMUs, for FMI 2.0 and 3.0; what is up to date stays."""
-    found = [find(name) for name in names] or components()
+    found = [each for name in names for each in meant(name)] or components()
     with at_work():
         built = _built(list(names), all_platforms, as_json) if is_installed() else _ready(found)
     if as_json:

@@ -101,12 +101,14 @@ def new(
     to: Annotated[Path, Parameter(help="The folder that is written to.")] = Path(),
 ) -> None:
     """Write a component of your own to begin with: a header, a test, a README; nothing that is there is replaced."""
-    if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", name):
+    if not re.fullmatch("[a-z][a-z0-9]*(_[a-z][a-z0-9]*)*", name):
         raise AdcsError(f"{name!r} is no name for a file: small letters, digits and underscores, as in my_law")
     words = {"file": name, "kind": kind, "title": name.replace("_", " ").capitalize()}
     words["name"] = "".join(word.capitalize() for word in name.split("_"))
     files = {f"{name}.hpp": _HEADER, f"test_{name}.py": _TEST, "README.md": _README}
     make_folder(to, f"--to {to}")
+    if (to / "README.md").exists():  # of something else, or of another component
+        del files["README.md"]
     for file in files:
         if (to / file).exists():
             raise AdcsError(f"{to / file} is there already: take another name, or another folder by --to")

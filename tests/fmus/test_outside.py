@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -119,6 +120,77 @@ def test_two_of_one_name_in_two_folders_are_two(project: Path, tmp_path: Path) -
     assert torques == [-1.0, -10.0, -1.0]
 
 
+def test_a_copied_folder_is_not_judged_by_the_original(project: Path, tmp_path: Path) -> None:
+    adcs.build([str(project / "rate_law.hpp")])
+    copy = tmp_path / "copy"
+    shutil.copytree(project, copy)
+    header = copy / "rate_law.hpp"
+    header.write_text(header.read_text().replace("-k * omega_BN_B", "-10 * k * omega_BN_B"))
+    system = adcs.System("alone")
+    system.add("law", header, {"omega_BN_B": [1.0, 0.0, 0.0]})
+    assert adcs.run(system, stop_time=1, step=1)["law.torque_B"][0, 0] == -10.0
+
+
+def test_what_is_included_from_elsewhere_is_refused(project: Path, tmp_path: Path) -> None:
+    (tmp_path / "gain.hpp").write_text("#pragma once\n")
+    (tmp_path / "laws").mkdir()
+    header = tmp_path / "laws" / "rate_law.hpp"
+    header.write_text(
+        (project / "rate_law.hpp").read_text().replace("#pragma once", '#pragma once\n#include "../gain.hpp"')
+    )
+    with pytest.raises(
+        adcs.AdcsError, match=r"rate_law\.hpp includes .*gain\.hpp, which its FMU's sources cannot hold"
+    ):
+        adcs.build([str(header)])
+
+
+def test_no_fmu_of_another_tool_is_replaced(project: Path, tmp_path: Path) -> None:
+    header = tmp_path / "rate_law.hpp"
+    header.write_text((project / "rate_law.hpp").read_text())
+    (tmp_path / "RateLaw.fmu").write_bytes(b"theirs")
+    with pytest.raises(adcs.AdcsError, match=r"RateLaw\.fmu is there already, and not of this project's making: move"):
+        adcs.run(header, stop_time=1, step=1)
+    assert (tmp_path / "RateLaw.fmu").read_bytes() == b"theirs"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="dollars in names of folders")
+def test_names_of_folders_may_have_signs_and_be_relative(
+    project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "a$b ü #1"
+    folder.mkdir()
+    (folder / "rate_law.hpp").write_text((project / "rate_law.hpp").read_text())
+    monkeypatch.chdir(folder)
+    system = adcs.System("alone")
+    system.add("law", "rate_law.hpp", {"omega_BN_B": [1.0, 0.0, 0.0]})
+    monkeypatch.chdir(tmp_path)
+    assert adcs.run(system, stop_time=1, step=1)["law.torque_B"][0, 0] == -1.0
+
+
+def test_where_nothing_can_be_written_fmus_go_to_the_cache(
+    project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    header = tmp_path / "rate_law.hpp"
+    header.write_text((project / "rate_law.hpp").read_text())
+    monkeypatch.setattr("fmus.catalog.os.access", lambda path, mode: False)
+    monkeypatch.setattr("fmus.catalog.BUILD", tmp_path / "cache")
+    assert adcs.run(header, stop_time=1, step=1)["RateLaw.torque_B"].shape == (2, 3)
+    assert not (tmp_path / "RateLaw.fmu").exists() and list(tmp_path.glob("cache/outside/*/fmus/RateLaw.fmu"))
+
+
+def test_a_folder_stands_for_its_headers(project: Path, tmp_path: Path) -> None:
+    for name in ("one_law", "two_law"):
+        assert command(tmp_path, "new", "controller", name).returncode == 0
+    built = json.loads(command(tmp_path, "build", ".", "--json").stdout)
+    assert [Path(fmu["path"]).name for fmu in built] == [
+        "OneLaw.fmu", "OneLaw.fmi3.fmu", "TwoLaw.fmu", "TwoLaw.fmi3.fmu"
+    ]  # fmt: skip
+    (tmp_path / "empty").mkdir()
+    assert command(tmp_path, "build", "empty").stderr == (
+        "adcs: empty has no header of a component: `adcs new controller my_law --to empty` writes one\n"
+    )
+
+
 def test_the_kind_is_what_the_header_or_its_folder_says(project: Path, tmp_path: Path) -> None:
     text = (project / "rate_law.hpp").read_text()
     assert catalog.find(str(project / "rate_law.hpp")).kind == "controller"
@@ -136,6 +208,7 @@ def test_the_kind_is_what_the_header_or_its_folder_says(project: Path, tmp_path:
     [
         (("build", "absent.hpp"), "absent.hpp is no file"),
         (("build", "empty.hpp"), "empty.hpp declares no component: `adcs new controller my_law` writes one"),
+        (("build", "my__law.hpp"), "my__law.hpp: small letters, digits and underscores make the name of a header"),
         (("build", "wrong.hpp"), "there is no `struct Wrong`; a component's struct has its file's name in CamelCase"),
         (("new", "controler", "x"), 'Did you mean "controller"?'),
         (("new", "controller", "MyLaw"), "'MyLaw' is no name for a file: small letters, digits and underscores"),
@@ -144,6 +217,7 @@ def test_the_kind_is_what_the_header_or_its_folder_says(project: Path, tmp_path:
 )
 def test_mistakes_are_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], said: str):
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "my__law.hpp").write_text("struct MyLaw { void declare(int) {} };\n")
     (tmp_path / "empty.hpp").write_text("#pragma once\n")
     (tmp_path / "wrong.hpp").write_text("struct Other { void declare(int) {} };\n")
     before = sorted(tmp_path.iterdir())
@@ -156,13 +230,15 @@ def test_mistakes_are_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, 
 def package(project: Path, tmp_path: Path) -> Path:
     """An installed package of somebody else's, with systems by entry points."""
     (tmp_path / "their_missions.py").write_text(
-        LOOP.replace("HEADER", str(project / "rate_law.hpp")) + "\n\ndef broken():\n    return 1 / 0\n"
+        LOOP.replace("HEADER", str(project / "rate_law.hpp"))
+        + "\n\ndef broken():\n    return 1 / 0\n\n\ndef leave():\n    raise SystemExit(3)\n"
     )
     about = tmp_path / "their_missions-1.0.dist-info"
     about.mkdir()
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: their-missions\nVersion: 1.0\n")
     (about / "entry_points.txt").write_text(
         "[adcs.systems]\ntheir-detumble = their_missions:detumble\ntheir-broken = their_missions:broken\n"
+        "RigidBody = their_missions:detumble\ntheir-exit = their_missions:leave\n"
     )
     return tmp_path
 
@@ -180,4 +256,9 @@ def test_systems_of_other_packages_are_found_by_name(package: Path) -> None:
     listed = json.loads(command(package, "list", "--json", path=str(package)).stdout)
     about = {system["name"]: system["description"] for system in listed["systems"]}
     assert about["their-detumble"] == "a tumbling body"
+    assert "SystemExit: 3" in about["their-exit"]
+    alone = json.loads(
+        command(package, "run", "RigidBody", "--no-report", "--json", "--stop", "1", path=str(package)).stdout
+    )
+    assert alone["system"] == "RigidBody"  # names of here come first
     assert about["their-broken"].startswith("the system their-broken of the package their-missions cannot be loaded")

@@ -58,6 +58,22 @@ def test_what_is_beside_it_can_be_imported(file, tmp_path):
     assert sys.path == path
 
 
+def test_two_files_may_have_modules_of_one_name_beside_them(tmp_path):
+    torques = []
+    for folder, torque in (("a", 1.0), ("b", 2.0), ("a", 3.0)):
+        (tmp_path / folder).mkdir(exist_ok=True)
+        (tmp_path / folder / "rates_beside.py").write_text(f"RATE = [0.0, 0.0, {torque}]\n" + "\n" * int(torque))
+        (tmp_path / folder / "mission.py").write_text("from rates_beside import RATE\n" + LOOP)
+        system = adcs.run(tmp_path / folder / "mission.py").system
+        torques.append(system.components["plant"].start["torque_B"][2])
+    assert torques == [1.0, 2.0, 3.0]
+
+
+def test_results_stay_in_their_folder_whatever_a_system_is_called(file):
+    entry = find_system(file('from adcs import System\n\ndef f() -> System:\n    return System("../../oops x/y")\n'))
+    assert entry.name == "oops-x-y"
+
+
 def test_a_system_by_itself_and_functions_that_say_nothing(file):
     made = "from adcs import System\ndef f(n=1):\n    return System('f', stop_time=1, step=1)\n"
     assert adcs.linearize  # imported before the file is

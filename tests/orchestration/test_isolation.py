@@ -343,7 +343,7 @@ def test_signals_end_a_run_with_its_files_written(mock, tmp_path, number):
         *LONG,
         *pace,
         cwd=tmp_path,
-        before=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        before=lambda: signal.signal(number, signal.SIG_DFL),  # which a shell or nohup may have had ignored
     )
     until(lambda: _rows(tmp_path) > 10)
     refused, _, message = adcs("run", "signals_doStep.ssp", *LONG, "--force", cwd=tmp_path)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import pkgutil
+from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 
@@ -34,24 +35,28 @@ STUDIES: dict[str, StudyEntry] = {entry.name: entry for brought in _BROUGHT for 
 def systems() -> dict[str, SystemEntry]:
     """Return the systems by name, those of other packages, too; `systems()["observer-pd"].build()` is the system."""
     found = dict(SYSTEMS)
-    for name, point in others.names().items():
-        try:
-            found.setdefault(name, others.load(point))
-        except AdcsError as error:  # which is theirs, and no reason to hide all others
-            _log.warning(str(error))
+    for name, entry in _brought():
+        if isinstance(entry, AdcsError):
+            _log.warning(str(entry))
+        else:
+            found[name] = entry
     return found
 
 
 def descriptions() -> dict[str, str]:
     """Return what each system is; of one that another package brings, and that cannot be loaded, why."""
     told = {name: entry.description for name, entry in SYSTEMS.items()}
+    return told | {name: str(e) if isinstance(e, AdcsError) else e.description for name, e in _brought()}
+
+
+def _brought() -> Iterator[tuple[str, SystemEntry | AdcsError]]:
+    """Yield the systems of other packages, and for what cannot be loaded why: that is no reason to hide the others."""
     for name, point in others.names().items():
-        if name not in told:
+        if name not in SYSTEMS:
             try:
-                told[name] = others.load(point).description
+                yield name, others.load(point)
             except AdcsError as error:
-                told[name] = str(error)
-    return told
+                yield name, error
 
 
 def studies() -> dict[str, StudyEntry]:

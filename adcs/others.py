@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
 
 from fmus.errors import AdcsError, shown
@@ -19,9 +18,9 @@ def names() -> dict[str, EntryPoint]:
 def load(point: EntryPoint) -> SystemEntry:
     """Return a system that another package brings: a `SystemEntry`, a `System`, or a function that returns one."""
     try:
-        found: object = point.load()
-        if isinstance(found, Callable) and not isinstance(found, SystemEntry):  # type: ignore[arg-type]
-            found = found()  # type: ignore[operator]
+        found = point.load()
+        if callable(found):
+            found = found()
     except AdcsError:
         raise
     except (Exception, SystemExit) as error:

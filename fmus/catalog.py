@@ -7,12 +7,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
+from typing import Literal
 
 from fmus.errors import AdcsError
 from fmus.paths import BUILD, SOURCES
 from fmus.spelling import close
 
-KINDS = {
+Kind = Literal["guidance", "plant", "environment", "sensor", "observer", "controller"]
+
+KINDS: dict[str, Kind] = {
     "guidance": "guidance",
     "plant": "plant",
     "environment": "environment",
@@ -79,7 +82,7 @@ def components() -> list[Component]:
     return [component for header, kind in headers if (component := _component(header, kind))]
 
 
-_FILE_NAME = "[a-z][a-z0-9]*(_[a-z][a-z0-9]*)*"  # so that no two names become one in CamelCase
+FILE_NAME = "[a-z][a-z0-9]*(_[a-z][a-z0-9]*)*"  # so that no two names become one in CamelCase
 
 
 def meant(name: str) -> list[Component]:
@@ -93,6 +96,11 @@ def meant(name: str) -> list[Component]:
     return found
 
 
+def struct_name(stem: str) -> str:
+    """What the struct of a header is called: the file's name in CamelCase."""
+    return "".join(word.capitalize() for word in stem.split("_"))
+
+
 def is_header(name: str | Path) -> bool:
     """Whether this is the path of a component's header."""
     return Path(name).suffix == ".hpp"
@@ -103,7 +111,7 @@ def from_header(path: Path) -> Component:
     header = path.absolute()
     if not header.is_file():
         raise AdcsError(f"{path} is no file")
-    if not re.fullmatch(_FILE_NAME, header.stem):
+    if not re.fullmatch(FILE_NAME, header.stem):
         raise AdcsError(f"{path}: small letters, digits and underscores make the name of a header, as in my_law.hpp")
     found = _component(header, "controller")
     if found is None:
@@ -146,7 +154,7 @@ def _component(header: Path, kind: str) -> Component | None:
 
 @cache
 def _read(header: Path, kind: str, _modified: int, _size: int) -> Component | None:
-    name = "".join(word.capitalize() for word in header.stem.split("_"))
+    name = struct_name(header.stem)
     try:
         code = header.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:

@@ -14,8 +14,7 @@ from importlib import metadata, util
 from pathlib import Path
 
 from fmus.errors import AdcsError
-from fmus.files import digest as digest
-from fmus.files import write_atomically as write_atomically
+from fmus.files import digest, write_atomically
 from fmus.paths import BUILD, EIGEN, FMI_HEADERS, SOURCES
 
 INSTALL = "pip install 'adcs-fmus[build]'"

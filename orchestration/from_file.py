@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from orchestration.entry import SystemEntry
-from orchestration.fmu.file import element_names
+from orchestration.fmu.file import element_names, is_path
 from orchestration.from_python import is_python, system_from_python
 from orchestration.from_python import named as python_named
 from orchestration.results.plots import Panel, Series
@@ -27,7 +27,7 @@ _MOST_CURVES = 9  # in one panel: a 3 x 3 matrix
 
 def is_file(name: str) -> bool:
     """Whether a name is that of a file that holds a system: `.ssp`, a structure in one, `.py`, `.fmu` or `.hpp`."""
-    return is_ssp(name) or is_python(name) or Path(name).suffix in (".fmu", ".hpp")
+    return is_ssp(name) or is_python(name) or is_path(name)
 
 
 def system_from_file(name: str) -> SystemEntry:
@@ -45,7 +45,7 @@ def from_anywhere(name: str) -> str:
     if is_python(name):
         path, inside = python_named(name)
         return str(path.absolute()) + (f":{inside}" if inside else "")
-    return str(Path(name).absolute()) if Path(name).suffix in (".fmu", ".hpp") else name
+    return str(Path(name).absolute()) if is_path(name) else name
 
 
 def _from_python(name: str) -> SystemEntry:

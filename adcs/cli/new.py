@@ -5,16 +5,15 @@ from __future__ import annotations
 import re
 from pathlib import Path
 from string import Template
-from typing import Annotated, Literal
+from typing import Annotated
 
 from cyclopts import Parameter
 from rich.console import Console
 
 from adcs.cli.command import command
+from fmus.catalog import FILE_NAME, Kind, struct_name
 from fmus.errors import AdcsError
 from orchestration.process.writing import make_folder
-
-Kind = Literal["guidance", "plant", "environment", "sensor", "observer", "controller"]
 
 app = command("new", "adcs new controller rate_damper", "adcs new sensor my_gyro --to sensors")
 
@@ -101,10 +100,10 @@ def new(
     to: Annotated[Path, Parameter(help="The folder that is written to.")] = Path(),
 ) -> None:
     """Write a component of your own to begin with: a header, a test, a README; nothing that is there is replaced."""
-    if not re.fullmatch("[a-z][a-z0-9]*(_[a-z][a-z0-9]*)*", name):
+    if not re.fullmatch(FILE_NAME, name):
         raise AdcsError(f"{name!r} is no name for a file: small letters, digits and underscores, as in my_law")
-    words = {"file": name, "kind": kind, "title": name.replace("_", " ").capitalize()}
-    words["name"] = "".join(word.capitalize() for word in name.split("_"))
+    title = name.replace("_", " ").capitalize()
+    words = {"file": name, "name": struct_name(name), "kind": kind, "title": title}
     files = {f"{name}.hpp": _HEADER, f"test_{name}.py": _TEST, "README.md": _README}
     make_folder(to, f"--to {to}")
     if (to / "README.md").exists():  # of something else, or of another component

@@ -11,7 +11,6 @@ from typing import Any
 
 from adcs.cli.showing import Format, write_files
 from fmus.errors import AdcsError
-from orchestration.instances.instance import CallFailed
 from orchestration.isolation import supervised
 from orchestration.isolation.death import reason
 from orchestration.isolation.folder import MANIFEST, ResultsFolder
@@ -52,7 +51,7 @@ class RunFiles:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if self._manifest is not None and isinstance(error, AdcsError):
-            error.failed |= isinstance(error, CallFailed) or bool(self.journal.where.place.started)
+            error.failed |= bool(self.journal.where.place.started)
             if not error.failed:  # a part of the run refused it, and nothing has happened
                 self.journal.close(remove=True)
                 (self.folder / MANIFEST).unlink(missing_ok=True)

@@ -18,7 +18,7 @@ import fmpy
 from fmpy.model_description import ModelDescription, ModelVariable, ValidationError
 
 from fmus.archive import LARGEST_XML, Archive
-from fmus.catalog import find
+from fmus.catalog import find, is_header
 from fmus.demand import fmu_path
 from fmus.errors import AdcsError, Unsupported, shown
 from fmus.readable import read_model
@@ -253,6 +253,11 @@ def _size(port: Port, size: int) -> int:
     if size < low or (most is not None and size > most):
         raise AdcsError(f"{port.name} = {size}: expected a size from {low}{'' if most is None else f' to {most}'}")
     return size
+
+
+def is_path(source: str | Path) -> bool:
+    """Whether a component is given by the path of its FMU or header, not by the name of one of this project's."""
+    return Path(source).suffix == ".fmu" or is_header(source)
 
 
 def locate(name: str | Path, version: FmiVersion = "2.0") -> Path:

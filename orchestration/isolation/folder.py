@@ -11,8 +11,8 @@ from pathlib import Path
 from types import TracebackType
 
 from fmus.errors import AdcsError, Failed
+from fmus.lock import Lock
 from orchestration.isolation import journal
-from orchestration.process.lock import Lock
 from orchestration.process.writing import make_folder
 
 MANIFEST = "manifest.json"

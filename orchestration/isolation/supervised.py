@@ -16,8 +16,8 @@ from contextlib import suppress
 from pathlib import Path
 from threading import Thread
 
+from fmus.lock import Lock
 from orchestration.process import orphan
-from orchestration.process.lock import Lock
 from orchestration.process.where import Place, Where
 
 MARK = "ADCS_SUPERVISED"

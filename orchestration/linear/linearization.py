@@ -15,7 +15,7 @@ from fmus.errors import AdcsError
 from orchestration import expected
 from orchestration.coupled import CoupledModel
 from orchestration.coupled.solution import Solution
-from orchestration.fmu.file import FmiVersion, Port
+from orchestration.fmu.file import FmiVersion, Port, is_path
 from orchestration.linear.jacobian import jacobian
 from orchestration.linear.state_space import Mode, StateSpace
 from orchestration.linear.unit_quaternions import minimal, unit_quaternions, with_notes
@@ -276,4 +276,4 @@ def _held(connection: Connection) -> str:
 
 def _is_component(name: str | Path) -> bool:
     """Whether this is one FMU, by its path or as one that is built here."""
-    return Path(name).suffix in (".fmu", ".hpp") or any(component.name == str(name) for component in components())
+    return is_path(name) or any(component.name == str(name) for component in components())

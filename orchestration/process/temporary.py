@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
-from orchestration.process.lock import Lock
+from fmus.lock import Lock
 
 _LOCK = ".alive"
 _NAME = "adcs-{what}-{pid}-"

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from orchestration.fmu.advice import odd_steps, outside_range
-from orchestration.fmu.file import FmiVersion
+from orchestration.fmu.file import FmiVersion, is_path
 from orchestration.fmu.seeds import is_seed, shared_seeds
 from orchestration.plan.lowering import Floats
 from orchestration.system import Connection, System
@@ -81,7 +81,7 @@ def versions() -> dict[str, str | None]:
 
 
 def _from_anywhere(source: str | Path) -> str:
-    return str(Path(source).absolute()) if Path(source).suffix in (".fmu", ".hpp") else str(source)
+    return str(Path(source).absolute()) if is_path(source) else str(source)
 
 
 def _file(path: Path) -> dict[str, str]:

@@ -60,7 +60,8 @@ class FileRecording(Recording):
     def _flush(self) -> File:
         """Write what is kept; the file is made by the first rows, so that a refused run leaves an older one alone."""
         if self._open is None:
-            self.path.unlink(missing_ok=True)  # it is replaced, not followed or changed
+            if self.path.is_symlink() or self.path.is_file():  # it is replaced, not followed or changed
+                self.path.unlink()
             self._open = File(self.path, self.ports)
         done, piece = 0, max(1, self._used)
         while done < self._used:

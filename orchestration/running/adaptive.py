@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -18,10 +17,8 @@ _MOST_HALVINGS = 12
 _COARSER = 0.25  # of the tolerance: below, the next interval tries twice the step
 
 
-def check(simulation: Session, tolerance: float) -> None:
+def _check(simulation: Session) -> None:
     """Refuse by name what cannot go back to a saved state and on with another step."""
-    if not (isfinite(tolerance) and tolerance > 0):
-        raise AdcsError(f"adaptive = {tolerance}: expected a positive tolerance")
     for instance in simulation.instances.values():
         interface = instance.fmu.interface("co-simulation")
         if not (instance.can_save and interface.canHandleVariableCommunicationStepSize):
@@ -29,7 +26,6 @@ def check(simulation: Session, tolerance: float) -> None:
                 f"{instance.name} ({instance.fmu.path.name}) cannot go back to a saved state, or on with another step: "
                 "an adaptive exchange step needs canGetAndSetFMUstate and canHandleVariableCommunicationStepSize"
             )
-    refuse(simulation.system)
 
 
 def refuse(system: System) -> None:
@@ -62,7 +58,7 @@ class AdaptiveSession(Session):
         self._row = self._propagated.copy()
         self._seen = -1  # the point that was propagated last, if nothing was set since
         try:
-            check(self, tolerance)
+            _check(self)
         except AdcsError:
             self.__exit__(None, None, None)
             raise

@@ -25,10 +25,6 @@ class Change:
         """Find the communication point of a time [s]; refuse one between two points."""
         return cls(grid.index(time, f"the change of {name}"), name, value)
 
-    def check(self, simulation: Simulation) -> None:
-        """Refuse what could not be set when its time comes."""
-        simulation.check_change(self.name, self.value)
-
     def may_follow(self, simulation: Simulation) -> bool:
         """Whether the row of its point is the same without it: then it is set after that, as FMI wants it."""
         return not simulation.shows(self.name)

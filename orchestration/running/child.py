@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from fmus.errors import AdcsError
-from fmus.toolchain import write_atomically
+from fmus.files import write_atomically
 from orchestration.isolation import apart
 from orchestration.isolation.journal import NAME, Journal
 from orchestration.process import orphan

@@ -42,11 +42,11 @@ class Driver:
         self.row_at = float("-inf")
         """The time of the last row [s]."""
         # what is asked at each point, of those only that have an answer of their own
-        self._afters, self._aheads, self._changes = (
-            [partial(ask, hook, method) for hook in hooks if any(overrides(hook, each) for each in (method, *others))]
-            for method, *others in (("after",), ("ahead", "after", "changes"), ("changes",))
-        )
+        self._afters = [partial(ask, hook, "after") for hook in hooks if overrides(hook, "after")]
+        self._changes = [partial(ask, hook, "changes") for hook in hooks if overrides(hook, "changes")]
         self._mets = [hook for hook in hooks if overrides(hook, "met")]
+        paced = [hook for hook in hooks if any(overrides(hook, each) for each in ("ahead", "after", "changes"))]
+        self._aheads = [partial(ask, hook, "ahead") for hook in paced]
         self.met: dict[str, Any] | None = None
         """The condition that ended the run, and when."""
 

@@ -40,7 +40,7 @@ class Method:
     """Give up when one call of a component takes longer."""
 
     def __post_init__(self) -> None:
-        _positive("timeout", self.patience)
+        _positive("timeout", self.patience, endless=True)
         loop_solver(self.loops)
 
     @property
@@ -165,9 +165,7 @@ class ModelExchange(Method):
         super().__post_init__()
         expected.choice("solver", self.solver, SolverName)
         for name in ("rtol", "atol"):
-            object.__setattr__(self, name, value := expected.number(name, getattr(self, name)))
-            if not isfinite(_positive(name, value)):
-                raise AdcsError(f"{name} = {value}: expected a positive number")
+            object.__setattr__(self, name, _positive(name, expected.number(name, getattr(self, name))))
         if self.rtol < _MIN_RTOL:
             raise AdcsError(f"rtol = {self.rtol} is below what double precision can hold: use {_MIN_RTOL:.1e} or more")
 
@@ -206,8 +204,8 @@ METHODS: tuple[type[Method], ...] = (CoSimulation, ModelExchange)
 _MIN_RTOL = 100 * float(np.finfo(float).eps)  # below, SciPy raises it with a warning
 
 
-def _positive(name: str, value: float) -> float:
-    if not value > 0:
+def _positive(name: str, value: float, *, endless: bool = False) -> float:
+    if not (value > 0 and (endless or isfinite(value))):
         raise AdcsError(f"{name} = {value}: expected a positive number")
     return value
 

@@ -74,12 +74,18 @@ class Outline:
         times = grid.places(first, save.every)
         recording = save.recording(system, len(times))
         made = cls(system, grid, recording, method, save, fmi_version, first, times, saved, saved is not None)
-        made.files |= {} if resume is None else {"resume": Path(resume)}
+        if resume is not None:
+            made.reads("resume", Path(resume))
         return made
+
+    def reads(self, name: str, path: Path) -> None:
+        """Note a file that is read, for the manifest; several of one name are numbered."""
+        others = sum(other.partition("-")[0] == name for other in self.files)
+        self.files[f"{name}-{others + 1}" if others else name] = path
 
     def check(self) -> None:
         """Refuse changes that could not be made when their time comes, with all that is known now."""
-        names = () if self.source is None else self.source.names
+        names = [name for source in self.sources for name in source.names]
         for change in self.changes:
             checked_change(self.system, names, change.name, change.value)
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from fmus.errors import AdcsError, shown
 from orchestration import expected
-from orchestration.fmu.file import locate, open_fmu
+from orchestration.fmu.file import is_path, locate, open_fmu
 from orchestration.process.temporary import temporary_folder
 from orchestration.results.comparison import NAMES, deviation
 from orchestration.results.manifest import FORMAT
@@ -145,7 +145,7 @@ def _found(path: Path, beside: Path | None, what: str) -> Path:
 
 def _source(name: str, component: Mapping[str, Any], beside: Path | None) -> str | Path:
     source = Path(component["fmu"])
-    return _found(source, beside, f"component {name}") if source.suffix in (".fmu", ".hpp") else str(source)
+    return _found(source, beside, f"component {name}") if is_path(source) else str(source)
 
 
 def _system(old: Mapping[str, Any], beside: Path | None) -> System:

@@ -95,12 +95,11 @@ class Session:
         system = as_system(system, step)
         arguments.check(Session, locals())
         start_time, _, step = system.run_times(start_time, 0.0, step)
-        if stop_time is not None and steps == ENDLESS:
-            points = Grid.make(
-                start_time, expected.seconds("stop_time", stop_time), step, partial(rigid, system, fmi_version)
-            )
-            steps, stop_time = points.steps, points.stop
-        stop_time = None if stop_time is None else expected.seconds("stop_time", stop_time)
+        if stop_time is not None:
+            stop_time = expected.seconds("stop_time", stop_time)
+            if steps == ENDLESS:
+                points = Grid.make(start_time, stop_time, step, partial(rigid, system, fmi_version))
+                steps, stop_time = points.steps, points.stop
         solver = loop_solver(loops)
         choice("fmi_version", fmi_version, FmiVersion)
         choice("stepping", stepping, Stepping)

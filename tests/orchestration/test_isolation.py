@@ -18,8 +18,8 @@ import scipy.io
 from hostile import ROOT, adcs, as_file, start, system, until
 
 from adcs import AdcsError, CoSimulation, Hook, ModelExchange, RunFailed, Save, System, run, write_ssp
+from fmus.lock import Lock
 from orchestration.isolation import journal
-from orchestration.process.lock import Lock
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 

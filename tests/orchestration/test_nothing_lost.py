@@ -16,12 +16,12 @@ import pytest
 from hostile import adcs, as_file, system
 
 from adcs import AdcsError, RunFailed, Save, checkpoint, run
+from fmus.lock import Lock
 from orchestration.isolation import journal
 from orchestration.isolation.folder import ResultsFolder
 from orchestration.isolation.journal import Journal
 from orchestration.process import temporary
 from orchestration.process.disk import Disk
-from orchestration.process.lock import Lock
 from orchestration.process.temporary import temporary_folder
 from orchestration.process.writing import replacing
 

@@ -9,8 +9,9 @@ from pathlib import Path
 from fmus import catalog
 from fmus.build import ADAPTOR
 from fmus.catalog import Component
+from fmus.files import write_atomically
 from fmus.paths import BUILD, EIGEN, FMI_HEADERS, SOURCES
-from fmus.toolchain import Target, compile_step, host, program_step, run_steps, write_atomically
+from fmus.toolchain import Target, compile_step, host, program_step, run_steps
 
 HERE = Path(__file__).parent
 WORK = BUILD / "digest"

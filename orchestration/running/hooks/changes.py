@@ -13,10 +13,9 @@ import numpy as np
 from fmus.errors import AdcsError
 from orchestration import expected
 from orchestration.running.change import Change
-from orchestration.running.hook import MOST, Hook, Watched
+from orchestration.running.hook import MOST, Hook
 from orchestration.running.hooks.ranges import outside_range
 from orchestration.running.outline import Outline
-from orchestration.running.simulation import Simulation
 from orchestration.system import System, Value, checked_value
 from orchestration.times import Seconds
 
@@ -57,11 +56,6 @@ class Changes(Hook):
             end = system.end(name)
             with suppress(AdcsError):  # which is refused when the run begins
                 yield time, name, checked_value(name, replace(end.port, shape=end.shape), value)
-
-    def begin(self, simulation: Simulation, hooks: Sequence[Hook], watched: Watched) -> None:
-        """Refuse what could not be set when its time comes."""
-        for change in self._pending:
-            change.check(simulation)
 
     def changes(self, k: int) -> Sequence[Change]:
         """Return those of point k."""

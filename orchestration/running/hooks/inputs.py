@@ -159,7 +159,7 @@ class Inputs(Hook):
         """Read the table."""
         table = Table.from_csv(outline.system, self._path)
         outline.sources.append(table)
-        outline.files["-".join(["inputs", *([str(n)] if (n := len(outline.sources)) > 1 else [])])] = self._path
+        outline.reads("inputs", self._path)
         first: dict[Any, str] = {}
         for element, text in outside_range(outline.system, table.rows()):
             first.setdefault(element, text)  # of each element once

@@ -21,9 +21,9 @@ from hostile import adcs, as_file, start, system, until
 
 from adcs import AdcsError, CoSimulation, ModelExchange, Result, RunFailed, Save, run
 from benchmarks import loop
+from fmus.lock import Lock
 from orchestration.isolation import journal
 from orchestration.isolation.journal import Journal
-from orchestration.process.lock import Lock
 from tests.robustness import Attack
 
 DEATHS = ("segfault", "abort", "exit", "quit", "kill", "trap", "overflow")

@@ -38,7 +38,8 @@ def system_from_python(name: str) -> System:
         raise AdcsError(f"{path} is no file")
     folder = str(path.absolute().parent)
     sys.path.insert(0, folder)  # for what the file imports from beside itself
-    before = set(sys.modules)
+    before, written = set(sys.modules), sys.dont_write_bytecode
+    sys.dont_write_bytecode = True  # nor of these is a compiled copy to be mistaken for the file
     try:
         module = _loaded(path)
         makers = _makers(module)
@@ -55,6 +56,7 @@ def system_from_python(name: str) -> System:
         system = _told(path, makers[wanted])
     finally:
         sys.path.remove(folder)
+        sys.dont_write_bytecode = written
         for name in set(sys.modules) - before:  # another file may have others of these names beside it
             if Path(getattr(sys.modules[name], "__file__", None) or "/").is_relative_to(folder):
                 del sys.modules[name]
@@ -67,10 +69,11 @@ def _loaded(path: Path) -> ModuleType:
     """Import the file under a name that nothing else has; again each time, as it may have been changed."""
     name = f"adcs_file_{sha256(str(path.absolute()).encode()).hexdigest()[:12]}"
     spec = spec_from_file_location(name, path)
-    assert spec is not None and spec.loader is not None
+    assert spec is not None
     module = module_from_spec(spec)
     sys.modules[name] = module  # where dataclasses and pickle look for it
-    _told(path, lambda: spec.loader.exec_module(module))  # type: ignore[union-attr]
+    # not by its loader, whose compiled copy counts as new for a second if the size has stayed
+    _told(path, lambda: exec(compile(path.read_bytes(), path, "exec"), vars(module)))
     return module
 
 

@@ -16,6 +16,7 @@ from fmus.errors import AdcsError
 from orchestration import expected
 from orchestration.engine import Engine
 from orchestration.engine.overstepping import overstepped
+from orchestration.engine.walk import Walk
 from orchestration.fmu.file import FmiVersion, Port
 from orchestration.instances.instance import CallFailed, EndRequested, Instance, failing_at
 from orchestration.named import as_system
@@ -141,6 +142,27 @@ class CoupledModel:
         """What solving algebraic loops has taken between events, for the manifest."""
         return self._loops[1].reports
 
+    @property
+    def watched(self) -> bool:
+        """Whether any component wants to know of each step of the integrator."""
+        return bool(self._watchers)
+
+    def walk(self, **terms: Any) -> Walk:
+        """Return a compiled walk along the solution; for `terms` see Walk."""
+        return Walk(
+            self._derivatives,
+            self._outputs,
+            len(self.state_names),
+            self._row_size,
+            watched=self.watched,
+            outside=None if self._source is None else self._flow,
+            **terms,
+        )
+
+    def stop(self) -> None:
+        """Let walks return before their next step; to be called from another thread."""
+        self._derivatives.stop()
+
     def rhs(self, t: float, x: Floats) -> Floats:
         """Return x' (n,) at time t and state x (n,)."""
         derivatives = np.empty(len(self.state_names))
@@ -174,9 +196,9 @@ class CoupledModel:
                 signals[:] = values
 
     @property
-    def has_state_events(self) -> bool:
-        """Whether any component has event indicators."""
-        return bool(self._indicators.owners)
+    def n_indicators(self) -> int:
+        """How many event indicators all components have."""
+        return len(self._indicators.owners)
 
     def indicators(self, t: float, x: Floats) -> Floats:
         """Return the event indicators of all components at (t, x), (number of indicators,).

@@ -6,17 +6,21 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fmus.errors import AdcsError
 from orchestration.coupled.integrators import SolverName
 from orchestration.coupled.model import CoupledModel
-from orchestration.coupled.solution import Solution
+from orchestration.coupled.solution import LOOKS, Solution
+from orchestration.engine.walk import Rows
 from orchestration.fmu.file import Port
-from orchestration.grid import Grid
+from orchestration.grid import SNAP, Grid
 from orchestration.instances.instance import EndRequested, Instance, failing_at
 from orchestration.plan.lowering import Floats
 from orchestration.process.where import Where
 from orchestration.system import Value
+
+_LONGEST = 100  # points in one step of the integrator: what begins of itself is not stepped over
 
 
 class CoupledSimulation:
@@ -35,16 +39,28 @@ class CoupledSimulation:
         rtol: float = 1e-10,
         atol: float = 1e-12,
         *,
+        longest: float | None = None,
         record_every: int = 1,
         where: Where | None = None,
     ) -> None:
+        """`longest` is the longest step of the integrator (s): 100 points if none is given."""
         self.model, self.grid = model, grid
         self.system, self.last = model.system, grid.steps
         self.k = 0
         self._every, self._where = record_every, where or Where()
-        self._solution = Solution(model, grid.start, 1e-9 * grid.step, solver, rtol, atol)
+        self._solution = Solution(
+            model,
+            grid.start,
+            SNAP * grid.step,
+            solver,
+            rtol,
+            atol,
+            end=grid.time(grid.steps),
+            longest=_LONGEST * grid.step if longest is None else longest,
+            apart=grid.step / LOOKS,
+        )
         self._row = np.empty(sum(port.size for port in model.ports.values()))
-        self.states: list[Floats] = []
+        self._kept: list[Rows] = []
         self.notes: list[str] = []
         self.ended: EndRequested | None = None
         """The wish of a component to end the simulation, once it has come about."""
@@ -59,6 +75,13 @@ class CoupledSimulation:
     def ports(self) -> Mapping[str, Port]:
         """The recorded variables by name, in the order of a row."""
         return self.model.ports
+
+    @property
+    def states(self) -> Floats:
+        """Those of the rows; behind them there may be room for more, where it has not come to an end."""
+        if not self._kept:
+            return np.empty((0, len(self.state_names)))
+        return np.concatenate([*(rows.states[: rows.written] for rows in self._kept[:-1]), self._kept[-1].states])
 
     @property
     def state_names(self) -> list[str]:
@@ -113,28 +136,44 @@ class CoupledSimulation:
 
         Returns the point that comes next, the number of rows, and what failed.
         """
-        written = 0
-        for k in range(self.k, self.k + count):
-            try:
-                self._solution.reach(self.grid.time(k))
-                self.model.row(self._solution.time, self._solution.x, self._row)
-            except AdcsError as failed:
-                return k, written, failed
-            except KeyboardInterrupt:
-                return k, written, None
-            if self.model.ended is not None:
-                self.ended = self.model.ended
-                return k, written, self.ended
-            if k % self._every == 0 or k > self.grid.full:
-                rows[written] = self._row
-                self.states.append(self._solution.x.copy())
-                written += 1
-                self._where.place.rows += 1
-        return self.k + count, written, None
+        if count == 0:
+            return self.k, 0, None
+        points = np.arange(self.k, self.k + count)
+        kept = self._asked(points[(points % self._every == 0) | (points > self.grid.full)], rows, self._where)
+        self._kept.append(kept)
+        failed: AdcsError | None = None
+        stopped = False
+        try:
+            self._solution.record(kept)
+            if kept.written and kept.points[-1] == points[-1]:
+                self._row[:] = rows[kept.written - 1]
+            else:  # the last point is to be seen, though it is not kept
+                self._solution.record(self._asked(points[-1:], self._row[None, :], None))
+        except AdcsError as error:
+            failed = error
+        except KeyboardInterrupt:
+            stopped = True
+        if self.model.ended is not None and failed is None:
+            self.model.row(self._solution.time, self._solution.x, self._row)
+            failed = self.ended = self.model.ended
+        return self._come_to(count) if failed or stopped else self.k + count, kept.written, failed
+
+    def _asked(self, points: NDArray[np.int64], rows: Floats, where: Where | None) -> Rows:
+        times: Floats = self.grid.start + points.astype(np.float64) * self.grid.step
+        if self.grid.stop is not None:
+            times[points == self.grid.steps] = self.grid.stop
+        return Rows(times, points, rows, len(self.state_names), where)
+
+    def _come_to(self, count: int) -> int:
+        """Return the first of the next points that could not be taken, or the one after them."""
+        covered = self._solution.time - SNAP * self.grid.step
+        return next((k for k in range(self.k, self.k + count) if self.grid.time(k) >= covered), self.k + count)
 
     def end_row(self) -> Floats:
         """Return the row of the time at which a component ended the simulation."""
-        self.states.append(self._solution.x.copy())
+        end = Rows(np.array([self._solution.time]), np.array([self.k]), self._row[None, :], len(self.state_names))
+        end.take(lambda _, row: self._solution.x)
+        self._kept.append(end)
         return self._row
 
     def leave(self) -> None:
@@ -146,8 +185,9 @@ class CoupledSimulation:
 
     def report(self) -> dict[str, Any]:
         """Return what the manifest is to have of it."""
-        return {"algebraic_loops": self.model.loop_reports} if self.model.loop_reports else {}
+        loops = {"algebraic_loops": self.model.loop_reports} if self.model.loop_reports else {}
+        return {"integrator": self._solution.report, **loops}
 
     def stop(self, at_once: bool = False) -> None:
         """Let `advance` return; to be called from another thread."""
-        self._solution.stopped = True
+        self._solution.stop()

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections import deque
+from math import inf
+from typing import Any
 
 import numpy as np
 
 from orchestration.coupled.crossing import first_crossing
-from orchestration.coupled.integrators import Integrator, SolverName, integrator
+from orchestration.coupled.cvode import CVode
+from orchestration.coupled.dop853 import Dop853
+from orchestration.coupled.integrators import Integrator, SolverName, Terms
 from orchestration.coupled.model import CoupledModel
+from orchestration.engine.walk import Rows, no_rows
 from orchestration.instances.instance import CallFailed, failing_at
 from orchestration.plan.lowering import Floats
 from orchestration.system import Value
 
-_LOOKS = 5  # into each step, for indicators that leave their domain and come back
+LOOKS = 5  # into each step, for indicators that leave their domain and come back
 _CHATTER = 100  # events in what counts as one instant
 _MOST_EVENTS = 100_000  # between two rows
 _ASKED = "events asked for after integrator steps"
@@ -22,7 +27,10 @@ _ASKED = "events asked for after integrator steps"
 class Solution:
     """The solution from the start on, as far as it has been reached: `time` and `x`.
 
-    Times that differ by at most `instant` (s) are the same for events and for what is asked for.
+    The integrator takes steps of its own length, mostly beyond what is asked for, and goes back where something is
+    changed. Events are handled when something later is asked for, so that it never has to go back behind one. No step
+    leads beyond `end`, or is longer than `longest`; state events are looked for at times at most `apart` from each
+    other. Times that differ by at most `instant` are the same for events and for what is asked for. All in s.
     """
 
     def __init__(
@@ -33,14 +41,22 @@ class Solution:
         solver: SolverName = "DOP853",
         rtol: float = 1e-10,
         atol: float = 1e-12,
+        *,
+        end: float = inf,
+        longest: float = inf,
+        apart: float = inf,
     ) -> None:
         self._model = model
-        self._instant = instant
-        self.stopped = False
-        """Set from another thread: KeyboardInterrupt before the next step of the integrator."""
+        self._instant, self._end = instant, end
         self._events: deque[float] = deque(maxlen=_CHATTER)
-        self._integrator: Integrator = integrator(model, solver, rtol, atol)
-        self._z: Floats = np.empty(0)  # event indicators at the last event or accepted step
+        self._z: Floats = np.zeros(model.n_indicators)  # event indicators at the last event or accepted step
+        terms = Terms(rtol, atol, longest, instant, LOOKS, apart, self._z)
+        self._terms = terms
+        # without states there is nothing that CVODE could do
+        kind = CVode if solver == "CVode" and model.state_names else Dop853
+        self._integrator: Integrator = kind(model, terms)
+        self._counted, self._last = 0, ""  # events, and whose the last was
+        self._due: tuple[str, str] | None = None  # whose event is to be handled at the end of the last step, and why
         self._restart(start, model.x0)
 
     @property
@@ -53,60 +69,96 @@ class Solution:
         """The state there, (n,)."""
         return self._integrator.x
 
+    @property
+    def report(self) -> dict[str, Any]:
+        """What it has taken, for the manifest."""
+        return self._integrator.report
+
+    def stop(self) -> None:
+        """Let what goes on raise KeyboardInterrupt; to be called from another thread."""
+        self._integrator.stop()
+
+    def record(self, rows: Rows) -> None:
+        """Write rows, each after all events of its instant; not beyond the end that a component asks for."""
+        written, start, events = rows.written, self.time, 0
+        while rows.next < inf and self._model.ended is None:
+            if rows.next < self._integrator.covered:  # it lies in the last step
+                self._integrator.go(self.time, self.time, rows)
+                continue
+            counted = self._counted
+            if not self._go_on(rows):
+                rows.take(self._take)
+            events += self._counted - counted
+            if rows.written > written:
+                written, start, events = rows.written, rows.times[rows.written - 1], 0
+            self._bound_events(events, start, rows.next)
+
     def reach(self, point: float) -> None:
-        """Go on to a time, and through all events that happen there; not beyond the end that a component asks for."""
-        looked, events, start = False, 0, self.time
-        while self._model.ended is None:
-            due = self._model.next_event
-            if due <= point + self._instant:
-                target = due
-            elif self.time < point - self._instant:
-                target = point
-            elif not looked and self._imminent():
-                target = min(self.time + self._instant, due)
-            else:
+        """Go on to a time, and through all events of its instant; not beyond the end that a component asks for."""
+        none = no_rows(len(self.x))
+        start, counted = self.time, self._counted
+        while self._model.ended is None and not point < self._integrator.covered:
+            if not self._go_on(none, point + 2 * self._instant):
                 break
-            looked = point - self._instant <= self.time
-            cause = self._advance(target)
-            if cause is None and self.time >= due:
-                cause = self._model.next_event_of, "time events"
-            if cause is not None and self._model.ended is None:
-                changed = self._event(*cause)
-                looked, events = looked and not changed, events + changed
-                if changed and events == _MOST_EVENTS:
-                    needed = events * (point - start) / max(self.time - start, np.spacing(abs(point)))
-                    failed = CallFailed(
-                        cause[0],
-                        f"{events} events lead from t = {start:.9g} only to {self.time:.9g} s, {needed:.2g} would be "
-                        f"needed up to {point:.9g} s: choose a shorter time between rows",
-                    )
-                    failed.time = self.time
-                    raise failed
-        if self._model.ended is None and self.time < point:  # by an instant, over which a straight line is exact
-            self._restart(point, self.x + (point - self.time) * self._model.rhs(self.time, self.x))
+            self._bound_events(self._counted - counted, start, point)
+        if self._model.ended is None and point < self._integrator.covered:
+            self._integrator.back(max(point, self._integrator.began))
+            self._due, self._told = None, not self._model.watched
+            self._look_anew()
 
     def change(self, name: str, value: Value) -> None:
         """Set an unconnected input or a tunable parameter where it has come to, as an event."""
         self._restart(self.time, self._model.event(self.time, self.x, [(name, value)]))
 
-    def _advance(self, target: float) -> tuple[str, str] | None:
-        """Integrate to the target, or to the first event; return whose it is and what it is."""
-        while self.time < target:
-            if self.stopped:
-                raise KeyboardInterrupt
-            before = self.time
-            self._integrator.step(target)
-            crossed = self._crossing(before) if self._model.has_state_events else None
-            asking = self._model.completed_step(self.time, self.x)
-            if self._model.ended is not None:
-                return None
-            if crossed is not None:
-                return crossed
-            if asking is not None:
-                return asking, _ASKED
-        return None
+    def _go_on(self, rows: Rows, until: float = inf) -> bool:
+        """Handle the event at the end of the last step, or make more steps; return False at the end.
 
-    def _crossing(self, before: float) -> tuple[str, str] | None:
+        Rows are taken on the way. From the last step none is taken any more.
+        """
+        model, time = self._model, self.time
+        if not self._told:
+            self._told = True
+            asking = model.completed_step(time, self.x)
+            self._integrator.settle()
+            if model.ended is not None:
+                return True
+            if asking is not None and self._due is None:
+                self._due = asking, _ASKED
+        if self._due is None and time >= model.next_event:
+            self._due = model.next_event_of, "time events"
+        if self._due is not None:
+            due, self._due = self._due, None
+            self._event(*due)
+            return True
+        bound = min(model.next_event, self._end)
+        if time >= bound:
+            if not self._imminent():
+                return False
+            bound = min(time + self._instant, model.next_event)
+        if self._integrator.go(min(until, bound), bound, rows):
+            self._due = self._crossing() if model.n_indicators else None
+            self._told = not model.watched
+        return True
+
+    def _take(self, _: float, row: Floats) -> Floats:
+        """Take a row where it has come to."""
+        self._model.row(self.time, self.x, row)
+        return self.x
+
+    def _bound_events(self, events: int, start: float, target: float) -> None:
+        """Refuse to go on for ever."""
+        if events < _MOST_EVENTS:
+            return
+        needed = events * (target - start) / max(self.time - start, np.spacing(abs(target)))
+        failed = CallFailed(
+            self._last,
+            f"{events} events lead from t = {start:.9g} only to {self.time:.9g} s, {needed:.2g} would be needed up to "
+            f"{target:.9g} s: choose a shorter time between rows",
+        )
+        failed.time = self.time
+        raise failed
+
+    def _crossing(self) -> tuple[str, str] | None:
         """Find the first crossing of an event indicator in the last step, and go back to it."""
         walk = self._integrator
         positive = self._z > 0
@@ -117,8 +169,8 @@ class Solution:
         def accurate(t: float) -> Floats:
             return self._model.indicators(t, walk.at(t))
 
-        end = self.time
-        for t in np.linspace(before, end, _LOOKS + 1)[1:].tolist():
+        before, end = walk.began, self.time
+        for t in np.linspace(before, end, self._terms.looks_into(end - before) + 1)[1:].tolist():
             z = self._model.indicators(t, walk.sketch(t))
             if not crossed(z):
                 continue
@@ -126,37 +178,36 @@ class Solution:
                 z = accurate(t)
             if crossed(z):
                 found = first_crossing(accurate, before, self._z, t, z)
-                x = walk.at(found)
-                z = self._model.indicators(found, x)
+                z = self._model.indicators(found, walk.at(found))
                 which = int(np.flatnonzero((z > 0) != positive)[0])
-                if found < end:
-                    walk.restart(found, x)
+                walk.back(found)
                 return self._model.indicator(which)
-        self._z = z
+        self._z[:] = z
         return None
 
     def _imminent(self) -> bool:
         """Whether a state event happens within the next instant."""
-        if not self._model.has_state_events or self.time + self._instant <= self.time:
+        if not self._model.n_indicators or self.time + self._instant <= self.time:
             return False
         ahead = self.x + self._instant * self._model.rhs(self.time, self.x)
         z = self._model.indicators(self.time + self._instant, ahead)
         return bool(np.any((z > 0) != (self._z > 0)))
 
-    def _event(self, component: str, kind: str) -> bool:
-        """Handle an event; return whether it counts.
+    def _event(self, component: str, kind: str) -> None:
+        """Handle an event.
 
         One that was asked for after an integrator step, as some FMUs do after each, and changes neither states nor
-        derivatives does not: the integration goes on as without it, which a restart each time would hold up.
+        derivatives does not count: the integration goes on as without it, which a restart each time would hold up.
         """
         time, x, model = self.time, self.x.copy(), self._model
         before = model.rhs(time, x).copy() if kind == _ASKED else None
+        if model.n_indicators:  # some FMUs go by what they were asked for last, which may have been a row
+            model.indicators(time, x)
         after = model.event(time, x)
         stays = before is not None and model.ended is None and np.array_equal(after, x)
         if before is not None and stays and np.array_equal(model.rhs(time, after), before):
-            if model.has_state_events:
-                self._z = model.indicators(time, after)
-            return False
+            self._look_anew()
+            return
         self._restart(time, after)
         span = time - self._events[0] if len(self._events) == _CHATTER else np.inf
         if span <= max(self._instant, 1e3 * float(np.spacing(abs(time)))):
@@ -167,9 +218,13 @@ class Solution:
                     "hysteresis or a state of rest, or use the method 'co-simulation'",
                 )
         self._events.append(time)
-        return True
+        self._counted, self._last = self._counted + 1, component
 
     def _restart(self, time: float, x: Floats) -> None:
         self._integrator.restart(time, x)
-        if self._model.has_state_events:
-            self._z = self._model.indicators(time, x)
+        self._told = True
+        self._look_anew()
+
+    def _look_anew(self) -> None:
+        if self._model.n_indicators:
+            self._z[:] = self._model.indicators(self.time, self.x)

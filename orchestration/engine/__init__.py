@@ -1,4 +1,4 @@
-"""The compiled stepping loop, `engine.c`: built on first use, called through ctypes."""
+"""The compiled engine, engine.c and walk.c: built on first use, called through ctypes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ from orchestration.plan.lowering import Call, Floats, Plan
 from orchestration.plan.propagation import Ring, action_of, not_doubled, not_finite, not_handed_on, read_after_set
 from orchestration.process.where import ACTIONS, Action, Doing, Place, Where
 
-_SOURCE = Path(__file__).with_name("engine.c")
+_SOURCES = tuple(Path(__file__).with_name(name) for name in ("engine.c", "walk.c"))
+_HEADERS = tuple(Path(__file__).with_name(name) for name in ("engine.h", "dop853.h"))
 _FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-Wall", "-Wextra", "-g0", "-s", "-shared")
 
 _STATUS, _NOT_FINITE, _TERMINATED, _EARLY_RETURN, _DOES_NOT_FIT, _RAISED, _GIVEN_UP = range(1, 8)
@@ -45,7 +46,9 @@ class _Component(ctypes.Structure):
         ("set_time", ctypes.c_void_p),
         ("set_states", ctypes.c_void_p),
         ("get_derivatives", ctypes.c_void_p),
+        ("get_indicators", ctypes.c_void_p),
         ("n_states", ctypes.c_size_t),
+        ("n_indicators", ctypes.c_size_t),
         ("every", ctypes.c_int64),
         ("fmi", ctypes.c_int32),
         ("foreign", ctypes.c_bool),
@@ -132,11 +135,11 @@ class ThreadControl:
 
     def control(self) -> int:
         """Return it."""
-        return int(_library().adcs_control())
+        return int(library().adcs_control())
 
     def restore(self, value: int) -> list[str]:
         """Put it back; say what was changed."""
-        return _controls(int(_library().adcs_restore(value)))
+        return _controls(int(library().adcs_restore(value)))
 
 
 class Engine:
@@ -161,8 +164,9 @@ class Engine:
         self._where.names = list(instances)
         self._instances = list(instances.values())
         self._solve = solve
-        self._raised: BaseException | None = None
-        self._library = _library()
+        self.raised: BaseException | None = None
+        """What a callback could not pass through C."""
+        self._library = library()
         self._number = {name: i for i, name in enumerate(instances)}
         self._keep: list[Any] = [plan, rings]  # what the C structures point to
         components = (_Component * len(instances))(*(_component(i, plan.every.get(i.name, 1)) for i in self._instances))
@@ -180,7 +184,7 @@ class Engine:
             )
         )
         record, n_record = _pieces(plan.row)
-        self._raw = _Plan(
+        self.raw = _Plan(
             components=components,
             n_components=len(components),
             calls=calls,
@@ -195,7 +199,7 @@ class Engine:
             callback=_CALLBACK(self._called_back),
             where=ctypes.pointer(self._where.place),
         )
-        self._reference = ctypes.byref(self._raw)
+        self._reference = ctypes.byref(self.raw)
         self.forget_end()
 
     @property
@@ -205,32 +209,32 @@ class Engine:
 
     def stop(self, at_once: bool = False) -> None:
         """Let `steps` return before its next point, or before its next call; to be called from another thread."""
-        self._raw.stop = 2 if at_once else 1
+        self.raw.stop = 2 if at_once else 1
 
     def forget_end(self) -> None:
         """Nobody has asked yet to end the simulation, unless it was in initialisation."""
         asking = next((n for n, instance in enumerate(self._instances) if instance.wants_end), None)
-        self._raw.ending, self._raw.ender = _NEVER if asking is None else -1, asking or 0
+        self.raw.ending, self.raw.ender = _NEVER if asking is None else -1, asking or 0
 
     def ending(self, k: int) -> EndRequested | None:
         """Return the wish of a component to end the simulation at point k, or before."""
-        return None if k < self._raw.ending else self._instances[self._raw.ender].ended()
+        return None if k < self.raw.ending else self._instances[self.raw.ender].ended()
 
     @property
     def changed(self) -> dict[str, list[str]]:
         """What components have changed of the thread that they are called in, and was changed back, by their names."""
-        bits = {instance.name: int(self._raw.components[i].changed) for i, instance in enumerate(self._instances)}
+        bits = {instance.name: int(self.raw.components[i].changed) for i, instance in enumerate(self._instances)}
         return {name: _controls(changed) for name, changed in bits.items() if changed}
 
     def propagate(self, k: int = 0, time: float = 0.0) -> None:
         """Execute the get and set calls of point k once."""
         if not self._library.adcs_propagate(self._reference, k, time):
-            raise self._failed()
+            raise self.failed()
 
     def move_on(self, k: int, last: int, time: float, step: float) -> None:
         """Step all components on from point k; none beyond point `last`."""
         if not self._library.adcs_move_on(self._reference, k, last, time, step):
-            raise self._failed()
+            raise self.failed()
 
     def steps(
         self, start: float, step: float, first: int, count: int, last: int, external: Floats | None, rows: Floats
@@ -243,9 +247,9 @@ class Engine:
         self._where.place.k = first
         given = None if external is None else external.ctypes.data
         written = self._library.adcs_steps(self._reference, start, step, first, count, last, given, rows.ctypes.data)
-        if not self._raw.failure.reason:
+        if not self.raw.failure.reason:
             return self._where.place.k, written, None
-        failed = self._failed()
+        failed = self.failed()
         if failed.time is None:
             failed.time = start + self._where.place.k * step
         return self._where.place.k, written, failed
@@ -259,7 +263,7 @@ class Engine:
             None if derivatives is None else derivatives.ctypes.data,
             None if row is None else row.ctypes.data,
         ):
-            failed = self._failed()
+            failed = self.failed()
             failed.time = time
             raise failed
 
@@ -275,7 +279,7 @@ class Engine:
                 self._instances[number].do_step(time, step)
                 return 2 if self._instances[number].wants_end else 0
         except BaseException as error:  # cannot pass through C
-            self._raised = error
+            self.raised = error
             return 1
         return 0
 
@@ -311,10 +315,11 @@ class Engine:
             self._keep.append(staging)
         return made
 
-    def _failed(self) -> CallFailed:
-        failure: Any = self._raw.failure
+    def failed(self) -> CallFailed:
+        """Return what has failed in the call that was made last, or raise what a callback raised."""
+        failure: Any = self.raw.failure
         if failure.reason == _RAISED:
-            error, self._raised = self._raised, None
+            error, self.raised = self.raised, None
             if isinstance(error, CallFailed):
                 return error
             raise error or RuntimeError("a callback failed without a reason")
@@ -331,12 +336,15 @@ class Engine:
         else:
             action = ACTIONS[failure.kind].text
             elements = tuple(f"the derivative of {state}" for state in instance.fmu.states)
+            if failure.kind == Action.GET_INDICATORS:
+                n = instance.fmu.event_indicators
+                elements = tuple(f"event indicator {i + 1} of {n}" for i in range(n))
         if failure.reason == _NOT_FINITE:
             return not_finite(instance.name, elements[failure.element])
         if failure.reason == _TERMINATED:
-            return instance.ended(self._raw.returned)
+            return instance.ended(self.raw.returned)
         if failure.reason == _EARLY_RETURN:
-            return instance.returned_early(self._raw.returned)
+            return instance.returned_early(self.raw.returned)
         failed = instance.failure(action, failure.status)
         if failure.kind == Action.GET:
             return read_after_set(failed, self._plan, call, instance, self._where.place.k)
@@ -344,7 +352,7 @@ class Engine:
 
     def _whole(self, number: int, element: int) -> int:
         """Return one of the integers that a get call has got last."""
-        call: Any = self._raw.calls[number]
+        call: Any = self.raw.calls[number]
         kind = ctypes.c_uint64 if self._plan.calls[number].type == "UInt64" else ctypes.c_int64
         return int(ctypes.cast(call.raw, ctypes.POINTER(kind))[element])
 
@@ -373,7 +381,9 @@ def _component(instance: Instance, every: int) -> _Component:
         get_derivatives=_address(
             instance, "GetDerivatives" if instance.major == 2 else "GetContinuousStateDerivatives"
         ),
+        get_indicators=_address(instance, "GetEventIndicators"),
         n_states=len(instance.fmu.states),
+        n_indicators=instance.fmu.event_indicators,
         every=every,
         fmi=instance.major,
         foreign=not instance.ours,
@@ -406,7 +416,8 @@ def _piece(start: int, n: int, call: Call | None, first: int) -> _Piece:
 def library_for(target: toolchain.Target) -> Path:
     """Return the engine for a platform, which is built unless it was, or is carried."""
     flags = ("-target", target.triple, *_FLAGS)
-    version = hashlib.sha256(_SOURCE.read_bytes() + " ".join(flags).encode()).hexdigest()[:16]
+    read = b"".join(path.read_bytes() for path in (*_SOURCES, *_HEADERS))
+    version = hashlib.sha256(read + " ".join(flags).encode()).hexdigest()[:16]
     output = BUILD / "engine" / f"engine-{version}{target.suffix}"
     if output.is_file():
         return output
@@ -417,29 +428,39 @@ def library_for(target: toolchain.Target) -> Path:
     output.parent.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory(dir=output.parent) as folder:  # several processes may build it at once
         made = Path(folder) / output.name
-        command = ("cc", *flags, *toolchain.own_name(output, target), str(_SOURCE), "-o", str(made))
-        toolchain.run_steps([toolchain.Step(made, command, (_SOURCE,))])
+        command = ("cc", *flags, *toolchain.own_name(output, target), *map(str, _SOURCES), "-o", str(made))
+        toolchain.run_steps([toolchain.Step(made, command, (*_SOURCES, *_HEADERS))])
         made.replace(output)
     return output
 
 
 @cache
-def _library() -> ctypes.CDLL:
-    library = ctypes.CDLL(
+def library() -> ctypes.CDLL:
+    """Return the engine for this machine."""
+    loaded = ctypes.CDLL(
         os.environ.get("ADCS_ENGINE") or str(library_for(toolchain.host()))
     )  # the variable: for sanitized builds
     plan, double, address, index = ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p, ctypes.c_int64
-    library.adcs_plan_size.restype = ctypes.c_size_t
-    library.adcs_control.restype = ctypes.c_uint32
-    library.adcs_restore.argtypes = (ctypes.c_uint32,)
-    library.adcs_restore.restype = ctypes.c_int32
-    library.adcs_propagate.argtypes = (plan, index, double)
-    library.adcs_propagate.restype = ctypes.c_bool
-    library.adcs_move_on.argtypes = (plan, index, index, double, double)
-    library.adcs_move_on.restype = ctypes.c_bool
-    library.adcs_steps.argtypes = (plan, double, double, index, index, index, address, address)
-    library.adcs_steps.restype = index
-    library.adcs_evaluate.argtypes = (plan, double, address, address, address)
-    library.adcs_evaluate.restype = ctypes.c_bool
-    assert library.adcs_plan_size() == ctypes.sizeof(_Plan), "engine.c and its mirror in Python differ"
-    return library
+    loaded.adcs_plan_size.restype = ctypes.c_size_t
+    loaded.adcs_control.restype = ctypes.c_uint32
+    loaded.adcs_restore.argtypes = (ctypes.c_uint32,)
+    loaded.adcs_restore.restype = ctypes.c_int32
+    loaded.adcs_propagate.argtypes = (plan, index, double)
+    loaded.adcs_propagate.restype = ctypes.c_bool
+    loaded.adcs_move_on.argtypes = (plan, index, index, double, double)
+    loaded.adcs_move_on.restype = ctypes.c_bool
+    loaded.adcs_steps.argtypes = (plan, double, double, index, index, index, address, address)
+    loaded.adcs_steps.restype = index
+    loaded.adcs_evaluate.argtypes = (plan, double, address, address, address)
+    loaded.adcs_evaluate.restype = ctypes.c_bool
+    loaded.adcs_walk_size.restype = ctypes.c_size_t
+    loaded.adcs_walk.argtypes = (address, double, double, address)
+    loaded.adcs_walk.restype = ctypes.c_int32
+    loaded.adcs_covered.argtypes = (address,)
+    loaded.adcs_covered.restype = double
+    loaded.adcs_between.argtypes = (address, double, address)
+    loaded.adcs_between.restype = ctypes.c_bool
+    loaded.adcs_shorter.argtypes = (address, address, double)
+    loaded.adcs_shorter.restype = ctypes.c_bool
+    assert loaded.adcs_plan_size() == ctypes.sizeof(_Plan), "engine.c and its mirror in Python differ"
+    return loaded

@@ -2,20 +2,9 @@
  *
  * One plan says which values flow where: `get` calls write into the signal buffer, `set` calls gather their values
  * from it. Signals are doubles; other types are converted at the call. All memory belongs to the caller; nothing is
- * allocated here. What a plain FMI call cannot do goes back to Python through `Callback`. Mirrored by __init__.py. */
+ * allocated here. What a plain FMI call cannot do goes back to Python through `Callback`. */
 
-#include <math.h>
-#include <stdatomic.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-
-#ifdef _WIN32
-#define EXPORT __declspec(dllexport)
-#else
-#define EXPORT __attribute__((visibility("default")))
-#endif
+#include "engine.h"
 
 /* The floating-point control of a thread, which every function in it can change for all: how results are rounded,
  * whether denormal numbers are flushed to zero, and which exceptions trap. */
@@ -40,120 +29,6 @@ static uint32_t control(void) { return 0; }
 static void set_control(uint32_t value) { (void)value; }
 #endif
 
-typedef uint32_t Reference;
-
-typedef union {
-    int (*fmi2)(void*, const Reference*, size_t, void*);
-    int (*fmi3)(void*, const Reference*, size_t, void*, size_t);
-} Access;
-
-typedef union {
-    int (*fmi2)(void*, double, double, int);
-    int (*fmi3)(void*, double, double, bool, bool*, bool*, bool*, double*);
-} DoStep;
-
-typedef struct {
-    void* instance;
-    DoStep do_step;                 /* Co-Simulation only; null: step it through the plan's callback */
-    int (*set_time)(void*, double); /* Model Exchange only, as the next two */
-    int (*set_states)(void*, const double*, size_t);
-    int (*get_derivatives)(void*, double*, size_t);
-    size_t n_states;
-    int64_t every;      /* communicates at k = 0, every, 2*every ... */
-    int32_t fmi;        /* 2 or 3 */
-    bool foreign;       /* its calls are looked after: what they change of the thread is changed back */
-    bool never_returns; /* to a state before a step */
-    int32_t changed;
-} Component;
-
-enum { CHANGED_ROUNDING = 1, CHANGED_DENORMALS = 2, CHANGED_TRAPS = 4 };
-
-enum { GET, SET, SOLVE, DO_STEP, SET_TIME, SET_STATES, GET_DERIVATIVES, DISCARDED };
-enum { FLOAT64, FLOAT32, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, BOOL8, BOOL32 };
-
-typedef struct {
-    double from, to;
-} Pair;
-
-typedef struct {
-    size_t from, n; /* of the signal buffer */
-    double factor, offset;
-    const Pair* mapping; /* null: factor * signal + offset */
-    size_t n_mapping;
-    bool plain; /* as it is, to the last bit */
-    bool whole; /* for an integer, which must not be rounded */
-} Piece;
-
-typedef struct {
-    const Reference* references;
-    size_t n_references;
-    double* values; /* get: into the signal buffer; set: its own staging buffer */
-    size_t n_values;
-    void* raw;           /* values of another type than double; null: double */
-    const Piece* pieces; /* set: what is gathered into values */
-    size_t n_pieces;
-    Access access;
-    int32_t kind; /* GET, SET or SOLVE */
-    int32_t type;
-    uint32_t component; /* SOLVE: number of the loop */
-    int64_t every;      /* made at k = 0, every, 2*every ... */
-    bool plain;         /* set: signals go as they are, and are finite therefore */
-} Call;
-
-typedef struct {
-    size_t from, to, n; /* signals that are delayed, and where they arrive */
-    int64_t steps;
-    double* history; /* (steps, n): what left at k is at k modulo steps */
-} Delay;
-
-enum { STATUS = 1, NOT_FINITE, TERMINATED, EARLY_RETURN, DOES_NOT_FIT, RAISED, GIVEN_UP };
-
-typedef struct {
-    int32_t reason;
-    int32_t kind;      /* of the call that failed */
-    int32_t component; /* index */
-    int32_t call;      /* index in the plan, for GET, SET and SOLVE */
-    int32_t status;    /* as returned by the FMU */
-    int32_t element;   /* of the first value that is wrong */
-} Failure;
-
-/* Where the loop is, in memory that may be a file's, so that it can be read when the process has died; and by other
- * threads. Larger in Python, which notes its own calls behind it. */
-typedef struct {
-    volatile int64_t k;
-    volatile int64_t rows;  /* that are complete */
-    volatile int64_t count; /* goes up whenever the engine is called */
-    volatile uint64_t now;  /* the call that is going on, IDLE if none; in the upper half, its component */
-} Where;
-
-enum { IDLE = -1 };
-
-/* 0: done, 1: it raised, 2: done, and the component asks to end the simulation. DISCARDED: go on from a step that was
- * discarded, which may be how an FMI 2 FMU ends the simulation. */
-typedef int (*Callback)(int32_t kind, int32_t number, double time, double step);
-
-typedef struct {
-    Component* components;
-    size_t n_components;
-    const Call* calls;
-    size_t n_calls;
-    double* signals;
-    size_t n_external; /* the first signals come from outside */
-    const Delay* delays;
-    size_t n_delays;
-    const Piece* record; /* what makes up a row */
-    size_t n_record;
-    int64_t record_every;
-    Callback callback; /* solves a loop, or steps a component */
-    Failure failure;
-    int64_t ending;  /* the point at which the simulation ends, because a component has asked for it */
-    int32_t ender;   /* index of the component */
-    double returned; /* the time at which a step that failed returned, where FMI 3 says it */
-    Where* where;
-    uint32_t control;      /* as it was when the engine was called */
-    volatile int32_t stop; /* written by other threads; 1: return before the next point; 2: make no further call */
-} Plan;
-
 /* Put the thread's control back; return what was changed. */
 EXPORT int32_t adcs_restore(uint32_t value) {
     const uint32_t difference = control() ^ value;
@@ -172,12 +47,10 @@ EXPORT uint32_t adcs_control(void) { return control(); }
 
 EXPORT size_t adcs_plan_size(void) { return sizeof(Plan); }
 
-static bool fail(Plan* plan, int reason, int kind, size_t component, size_t call, int status, size_t element) {
+bool engine_fail(Plan* plan, int reason, int kind, size_t component, size_t call, int status, size_t element) {
     plan->failure = (Failure){reason, kind, (int32_t)component, (int32_t)call, status, (int32_t)element};
     return false;
 }
-
-#define DISCARD 2 /* fmi2Discard and fmi3Discard */
 
 /* fmi2OK and fmi2Warning, fmi3OK and fmi3Warning; anything else, also what no standard knows, is a failure */
 static bool good(int status) { return status == 0 || status == 1; }
@@ -317,7 +190,7 @@ static bool execute(Plan* plan, size_t index, double time) {
     at(plan, call->kind, call->component);
     if (call->kind == SOLVE) {
         const int raised = plan->callback(SOLVE, (int32_t)call->component, time, 0);
-        return raised ? fail(plan, RAISED, SOLVE, call->component, index, 0, 0) : true;
+        return raised ? engine_fail(plan, RAISED, SOLVE, call->component, index, 0, 0) : true;
     }
     Component* c = &plan->components[call->component];
     const size_t n = call->n_values;
@@ -327,19 +200,19 @@ static bool execute(Plan* plan, size_t index, double time) {
         const size_t bad = call->raw     ? pack(call->type, call->values, n, call->raw)
                            : call->plain ? n
                                          : first_not_finite(call->values, n);
-        if (bad < n) return fail(plan, DOES_NOT_FIT, SET, call->component, index, 0, bad);
+        if (bad < n) return engine_fail(plan, DOES_NOT_FIT, SET, call->component, index, 0, bad);
     }
     const int status = c->fmi == 2 ? call->access.fmi2(c->instance, call->references, call->n_references, data)
                                    : call->access.fmi3(c->instance, call->references, call->n_references, data, n);
     look_after(plan, c);
-    if (!good(status)) return fail(plan, STATUS, call->kind, call->component, index, status, 0);
+    if (!good(status)) return engine_fail(plan, STATUS, call->kind, call->component, index, status, 0);
     if (call->kind == GET) {
         if (call->raw) {
             const size_t bad = unpack(call->type, call->raw, n, call->values);
-            if (bad < n) return fail(plan, DOES_NOT_FIT, GET, call->component, index, status, bad);
+            if (bad < n) return engine_fail(plan, DOES_NOT_FIT, GET, call->component, index, status, bad);
         }
         const size_t bad = first_not_finite(call->values, n);
-        if (bad < n) return fail(plan, NOT_FINITE, GET, call->component, index, status, bad);
+        if (bad < n) return engine_fail(plan, NOT_FINITE, GET, call->component, index, status, bad);
     }
     return true;
 }
@@ -351,7 +224,7 @@ static bool propagate(Plan* plan, int64_t k, double time) {
     for (size_t i = 0; i < plan->n_calls; ++i) {
         const Call* call = &plan->calls[i];
         if (!due(call->every, k)) continue;
-        if (plan->stop > 1) return fail(plan, GIVEN_UP, call->kind, 0, i, 0, 0);
+        if (plan->stop > 1) return engine_fail(plan, GIVEN_UP, call->kind, 0, i, 0, 0);
         if (!execute(plan, i, time)) return false;
     }
     return true;
@@ -365,8 +238,8 @@ static bool propagate(Plan* plan, int64_t k, double time) {
 static bool end_at(Plan* plan, size_t i, int64_t k, double time, double step, bool early, double last) {
     plan->returned = last;
     if (!(last >= time + step - SNAP * step)) {
-        if (last >= time) return fail(plan, TERMINATED, DO_STEP, i, 0, 0, 0);
-        if (early) return fail(plan, EARLY_RETURN, DO_STEP, i, 0, 0, 0);
+        if (last >= time) return engine_fail(plan, TERMINATED, DO_STEP, i, 0, 0, 0);
+        if (early) return engine_fail(plan, EARLY_RETURN, DO_STEP, i, 0, 0, 0);
     }
     if (k < plan->ending) {
         plan->ending = k;
@@ -378,7 +251,7 @@ static bool end_at(Plan* plan, size_t i, int64_t k, double time, double step, bo
 /* What a callback has answered to a step. */
 static bool stepped(Plan* plan, size_t i, int64_t k, double time, double step, int answer) {
     if (answer == 2) return end_at(plan, i, k, time, step, false, time + step);
-    return answer ? fail(plan, RAISED, DO_STEP, i, 0, 0, 0) : true;
+    return answer ? engine_fail(plan, RAISED, DO_STEP, i, 0, 0, 0) : true;
 }
 
 /* To point k. */
@@ -397,11 +270,11 @@ static bool do_step(Plan* plan, size_t i, int64_t k, double time, double step) {
                     : c->do_step.fmi3(c->instance, time, step, c->never_returns, &event, &terminate, &early, &last);
     look_after(plan, c);
     if (status == DISCARD) return stepped(plan, i, k, time, step, plan->callback(DISCARDED, (int32_t)i, time, step));
-    if (!good(status)) return fail(plan, STATUS, DO_STEP, i, 0, status, 0);
+    if (!good(status)) return engine_fail(plan, STATUS, DO_STEP, i, 0, status, 0);
     if (terminate) return end_at(plan, i, k, time, step, early, last);
     if (early) {
         plan->returned = last;
-        return fail(plan, EARLY_RETURN, DO_STEP, i, 0, status, 0);
+        return engine_fail(plan, EARLY_RETURN, DO_STEP, i, 0, status, 0);
     }
     return true;
 }
@@ -420,22 +293,22 @@ static void leave(Plan* plan, int64_t k) {
     }
 }
 
-static void begin(Plan* plan) {
+void engine_begin(Plan* plan) {
     plan->failure.reason = 0;
     plan->control = control();
     ++plan->where->count;
 }
 
-static bool end(Plan* plan, bool well) {
+bool engine_end(Plan* plan, bool well) {
     at(plan, IDLE, 0);
     return well;
 }
 
 EXPORT bool adcs_propagate(Plan* plan, int64_t k, double time) {
-    begin(plan);
+    engine_begin(plan);
     plan->where->k = k;
     arrive(plan, k);
-    return end(plan, propagate(plan, k, time));
+    return engine_end(plan, propagate(plan, k, time));
 }
 
 /* From k to k+1. A component whose next communication point lies beyond `last` is not asked to go there. */
@@ -444,16 +317,16 @@ static bool move_on(Plan* plan, int64_t k, int64_t last, double time, double ste
     for (size_t i = 0; i < plan->n_components; ++i) {
         const int64_t every = plan->components[i].every;
         if (!due(every, k) || k + every > last) continue;
-        if (plan->stop > 1) return fail(plan, GIVEN_UP, DO_STEP, i, 0, 0, 0);
+        if (plan->stop > 1) return engine_fail(plan, GIVEN_UP, DO_STEP, i, 0, 0, 0);
         if (!do_step(plan, i, k + every, time, (double)every * step)) return false;
     }
     return true;
 }
 
 EXPORT bool adcs_move_on(Plan* plan, int64_t k, int64_t last, double time, double step) {
-    begin(plan);
+    engine_begin(plan);
     plan->where->k = k;
-    return end(plan, move_on(plan, k, last, time, step));
+    return engine_end(plan, move_on(plan, k, last, time, step));
 }
 
 /* Points first .. first+count-1 of a co-simulation whose last point is `last`: take what comes from outside (a row of
@@ -482,7 +355,7 @@ static int64_t steps(Plan* plan, double start, double step, int64_t first, int64
         }
         if (k >= plan->ending) {
             plan->returned = time;
-            fail(plan, TERMINATED, DO_STEP, (size_t)plan->ender, 0, 0, 0);
+            engine_fail(plan, TERMINATED, DO_STEP, (size_t)plan->ender, 0, 0, 0);
             return written;
         }
         if (k < last && !move_on(plan, k, last, time, step)) return written;
@@ -493,27 +366,25 @@ static int64_t steps(Plan* plan, double start, double step, int64_t first, int64
 
 EXPORT int64_t adcs_steps(Plan* plan, double start, double step, int64_t first, int64_t count, int64_t last,
                           const double* external, double* rows) {
-    begin(plan);
+    engine_begin(plan);
     const int64_t written = steps(plan, start, step, first, count, last, external, rows);
-    end(plan, true);
+    engine_end(plan, true);
     return written;
 }
 
-/* All components as one ordinary differential equation: values at (time, states), then the derivatives, if wanted, and
- * the row, if wanted. Returns false when a call failed. */
-static bool evaluate(Plan* plan, double time, const double* states, double* derivatives, double* row) {
+bool engine_evaluate(Plan* plan, double time, const double* states, double* derivatives, double* row) {
     const double* x = states;
     for (size_t i = 0; i < plan->n_components; ++i) {
         Component* c = &plan->components[i];
         at(plan, SET_TIME, i);
         int status = c->set_time(c->instance, time);
         look_after(plan, c);
-        if (!good(status)) return fail(plan, STATUS, SET_TIME, i, 0, status, 0);
+        if (!good(status)) return engine_fail(plan, STATUS, SET_TIME, i, 0, status, 0);
         if (c->n_states == 0) continue;
         at(plan, SET_STATES, i);
         status = c->set_states(c->instance, x, c->n_states);
         look_after(plan, c);
-        if (!good(status)) return fail(plan, STATUS, SET_STATES, i, 0, status, 0);
+        if (!good(status)) return engine_fail(plan, STATUS, SET_STATES, i, 0, status, 0);
         x += c->n_states;
     }
     if (!propagate(plan, 0, time)) return false;
@@ -524,15 +395,30 @@ static bool evaluate(Plan* plan, double time, const double* states, double* deri
         at(plan, GET_DERIVATIVES, i);
         const int status = c->get_derivatives(c->instance, derivatives, c->n_states);
         look_after(plan, c);
-        if (!good(status)) return fail(plan, STATUS, GET_DERIVATIVES, i, 0, status, 0);
+        if (!good(status)) return engine_fail(plan, STATUS, GET_DERIVATIVES, i, 0, status, 0);
         const size_t bad = first_not_finite(derivatives, c->n_states);
-        if (bad < c->n_states) return fail(plan, NOT_FINITE, GET_DERIVATIVES, i, 0, status, bad);
+        if (bad < c->n_states) return engine_fail(plan, NOT_FINITE, GET_DERIVATIVES, i, 0, status, bad);
         derivatives += c->n_states;
     }
     return true;
 }
 
+bool engine_indicators(Plan* plan, double* indicators) {
+    for (size_t i = 0; i < plan->n_components; ++i) {
+        Component* c = &plan->components[i];
+        if (c->n_indicators == 0) continue;
+        at(plan, GET_INDICATORS, i);
+        const int status = c->get_indicators(c->instance, indicators, c->n_indicators);
+        look_after(plan, c);
+        if (!good(status)) return engine_fail(plan, STATUS, GET_INDICATORS, i, 0, status, 0);
+        const size_t bad = first_not_finite(indicators, c->n_indicators);
+        if (bad < c->n_indicators) return engine_fail(plan, NOT_FINITE, GET_INDICATORS, i, 0, status, bad);
+        indicators += c->n_indicators;
+    }
+    return true;
+}
+
 EXPORT bool adcs_evaluate(Plan* plan, double time, const double* states, double* derivatives, double* row) {
-    begin(plan);
-    return end(plan, evaluate(plan, time, states, derivatives, row));
+    engine_begin(plan);
+    return engine_end(plan, engine_evaluate(plan, time, states, derivatives, row));
 }

@@ -29,6 +29,7 @@ class Action(IntEnum):
     SET_STATES = 5, "setContinuousStates"
     GET_DERIVATIVES = 6, "getDerivatives"
     DISCARDED = 7, "doStep"  # what follows a step that was discarded belongs to it
+    GET_INDICATORS = 8, "getEventIndicators"
 
 
 ACTIONS = tuple(Action)

@@ -7,8 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-import numpy as np
-
 from fmus.errors import AdcsError
 from orchestration.instances.instance import CallFailed
 from orchestration.plan.lowering import Floats
@@ -101,7 +99,7 @@ class Account:
         if self._driver is not None:
             simulation = self._driver.simulation
             result.state_names = simulation.state_names
-            result.states = np.array(simulation.states[: len(times)]).reshape(len(times), len(result.state_names))
+            result.states = simulation.states[: len(times)].reshape(len(times), len(result.state_names))
         return result
 
     def _timing(self, times: Floats) -> dict[str, float | None]:

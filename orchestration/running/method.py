@@ -156,18 +156,28 @@ class ModelExchange(Method):
 
     solver: SolverName = "DOP853"
     """The integrator."""
-    rtol: float = field(default=1e-10, kw_only=True)
-    """Its relative tolerance."""
-    atol: float = field(default=1e-12, kw_only=True)
-    """Its absolute tolerance, of the nominal value of a state."""
+    rtol: float | None = field(default=None, kw_only=True)
+    """Its relative tolerance: 1e-12 for DOP853, 1e-10 for CVode."""
+    atol: float | None = field(default=None, kw_only=True)
+    """Its absolute tolerance, of the nominal value of a state: a hundredth of the relative one."""
+    max_step: Seconds | None = field(default=None, kw_only=True)
+    """Its longest step: 100 rows, so that nothing that begins of itself is stepped over."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
         expected.choice("solver", self.solver, SolverName)
         for name in ("rtol", "atol"):
-            object.__setattr__(self, name, _positive(name, expected.number(name, getattr(self, name))))
-        if self.rtol < _MIN_RTOL:
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, _positive(name, expected.number(name, getattr(self, name))))
+        if self.max_step is not None:
+            object.__setattr__(self, "max_step", _positive("max_step", expected.seconds("max_step", self.max_step)))
+        if self.rtol is not None and self.rtol < _MIN_RTOL:
             raise AdcsError(f"rtol = {self.rtol} is below what double precision can hold: use {_MIN_RTOL:.1e} or more")
+
+    def for_manifest(self) -> dict[str, Any]:
+        """Return what the manifest has to know to repeat it."""
+        _, rtol, atol = self.integrator
+        return {**super().for_manifest(), "rtol": rtol, "atol": atol}
 
     def refuse(self, system: System, fmi_version: FmiVersion) -> None:
         """Refuse what no differential equation can hold."""
@@ -191,17 +201,26 @@ class ModelExchange(Method):
             where=recording.where,
             guard=guard,
         )
-        return CoupledSimulation(model, grid, *self.integrator, record_every=outline.save.every, where=recording.where)
+        return CoupledSimulation(
+            model,
+            grid,
+            *self.integrator,
+            longest=None if self.max_step is None else expected.seconds("max_step", self.max_step),
+            record_every=outline.save.every,
+            where=recording.where,
+        )
 
     @property
     def integrator(self) -> tuple[SolverName, float, float]:
         """Name, relative and absolute tolerance."""
-        return self.solver, self.rtol, self.atol
+        rtol = _RTOL[self.solver] if self.rtol is None else self.rtol
+        return self.solver, rtol, 0.01 * rtol if self.atol is None else self.atol
 
 
 METHODS: tuple[type[Method], ...] = (CoSimulation, ModelExchange)
 
-_MIN_RTOL = 100 * float(np.finfo(float).eps)  # below, SciPy raises it with a warning
+_RTOL: dict[SolverName, float] = {"DOP853": 1e-12, "CVode": 1e-10}
+_MIN_RTOL = 100 * float(np.finfo(float).eps)  # below, the error of a step is all rounding
 
 
 def _positive(name: str, value: float, *, endless: bool = False) -> float:

@@ -115,7 +115,7 @@ class Session:
         self.recording = Recording(system, record)
         self.ended: EndRequested | None = None
         """The wish of a component to end the simulation, once it has come about: nothing comes after that."""
-        self.states: list[Floats] = []
+        self.states: Floats = np.empty((0, 0))
         self.state_names: list[str] = []
         self.notes: list[str] = []
         """What there is to be told of the run, besides what its components say."""

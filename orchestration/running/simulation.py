@@ -22,8 +22,11 @@ class Simulation(Protocol):
     last: int
     notes: list[str]
     """What there is to be told of the run, besides what its components say."""
-    states: list[Floats]
-    """The continuous states of each row, `state_names`, where they are known."""
+
+    @property
+    def states(self) -> Floats:
+        """The continuous states of each row, where they are known: (rows or more, number of `state_names`)."""
+        ...
 
     @property
     def state_names(self) -> list[str]:

@@ -47,7 +47,7 @@ def test_rows_that_fit_into_no_memory(mock):
 @pytest.mark.parametrize("solver", ["DOP853", "CVode"])
 def test_a_row_that_takes_too_many_integrator_steps(mock, monkeypatch, solver):
     """A billion seconds between two rows, of an oscillator with a period of 6.3 s."""
-    monkeypatch.setattr(integrators, "_MAX_STEPS", 500)
+    monkeypatch.setattr(integrators, "MOST_STEPS", 500)
     with pytest.raises(RunFailed) as error:
         run(
             alone(mock("oscillator"), {"u": 0.0}),

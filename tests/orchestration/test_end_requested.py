@@ -13,7 +13,6 @@ import adcs
 from adcs import AdcsError, CoSimulation, Hook, ModelExchange, RunFailed, Save, Session, System, linearize, run, steps
 from adcs.cli import app as cli
 from hil_bridge.hil.flying import fly
-from orchestration.running.method import method_of
 
 STEPPINGS = ("compiled", "python")
 TAKEN, DISCARDED, EARLY, TAKEN_BY_DISCARD, PART_BY_DISCARD = range(5)
@@ -280,7 +279,7 @@ def test_at_a_time_event_in_a_process_of_its_own(event):
 def test_after_an_integrator_step(event, version, solver):
     system = System("alone")
     system.add("c", event("watcher", version), {"ends_at": 0.9, "threshold": 1e9})
-    result = run(system, stop_time=2.0, step=0.25, method=ModelExchange(solver))
+    result = run(system, stop_time=2.0, step=0.25, method=ModelExchange(solver, max_step=0.1))
     assert 0.9 <= result.time[-1] <= 1.0
     assert result["c.y"] == pytest.approx(result.time, abs=1e-9)
     assert ended(result)["time"] == result.time[-1]
@@ -335,7 +334,7 @@ def test_a_next_event_at_no_time_is_refused(foreign, event, method):
             system,
             stop_time=2.0,
             step=0.25,
-            method=method_of(method),
+            method=CoSimulation() if method == "co-simulation" else ModelExchange(max_step=0.25),
         )
 
 
@@ -362,7 +361,7 @@ def test_everyone_sees_the_last_row_at_its_time(foreign, event, method):
         stop_time=1.0,
         step=0.25,
         fmi_version="3.0",
-        method=method_of(method),
+        method=CoSimulation() if method == "co-simulation" else ModelExchange(max_step=0.1),
         hooks=[Watcher()],
     )
     assert [point for point, _, _ in seen] == ([0, 1, 2] if method == "co-simulation" else [0, 1, 2, 3])

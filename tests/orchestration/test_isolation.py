@@ -63,9 +63,9 @@ def test_one_that_dies_before_the_run_has_begun_is_named(mock, version):
 
 def test_one_that_dies_in_model_exchange_is_named(mock):
     name = "segfault_setTime"
-    with pytest.raises(RunFailed, match=f"setTime ended the process: {SEGFAULT}; 5 rows are kept$") as failed:
+    with pytest.raises(RunFailed, match=f"setTime ended the process: {SEGFAULT}; 3 rows are kept$") as failed:
         run(system(mock, name), **TIMES, isolated=True, method=ModelExchange())
-    assert failed.value.result.time.tolist() == [0.1 * k for k in range(5)]
+    assert failed.value.result.time.tolist() == [0.1 * k for k in range(3)]
 
 
 @pytest.mark.parametrize("name", ["segfault_terminate", "exit_free"])
@@ -237,7 +237,7 @@ def test_a_call_that_hangs_is_given_up_wherever_it_is(mock, call):
 
 
 def test_a_call_that_hangs_in_model_exchange_is_given_up(mock):
-    with pytest.raises(RunFailed, match=r"setTime did not return within 0\.5 s; 5 rows are kept$"):
+    with pytest.raises(RunFailed, match=r"setTime did not return within 0\.5 s; 3 rows are kept$"):
         run(system(mock, "hang_setTime"), **TIMES, method=ModelExchange(timeout=0.5))
 
 

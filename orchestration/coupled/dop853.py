@@ -1,0 +1,104 @@
+"""DOP853, compiled: the usual integrator."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fmus.errors import AdcsError
+from orchestration.coupled import integrators
+from orchestration.coupled.integrators import Terms, too_many
+from orchestration.coupled.model import CoupledModel
+from orchestration.engine.walk import Outcome, Rows, Taken
+from orchestration.plan.lowering import Floats
+
+
+class Dop853:
+    """Its continuous extension gives rows; where an event was, the step that leads there is made again, shorter."""
+
+    def __init__(self, model: CoupledModel, terms: Terms) -> None:
+        self._model, self._atol = model, terms.atol
+        self._taken = Taken()
+        self._walk, self._spare = (
+            model.walk(
+                relative=terms.rtol,
+                longest=terms.longest,
+                instant=terms.instant,
+                looks=terms.looks,
+                apart=terms.apart,
+                indicators=terms.indicators,
+                taken=self._taken,
+                most_steps=integrators.MOST_STEPS,
+            )
+            for _ in range(2)
+        )
+
+    @property
+    def began(self) -> float:
+        """Where the last step began [s]."""
+        return self._walk.began
+
+    @property
+    def time(self) -> float:
+        """Where it has come to [s]."""
+        return self._walk.time
+
+    @property
+    def x(self) -> Floats:
+        """The state there."""
+        return self._walk.x
+
+    @property
+    def covered(self) -> float:
+        """Up to where the last step gives rows [s]."""
+        return self._walk.covered
+
+    def settle(self) -> None:
+        """Bring no component to a time before the present one any more."""
+        self._walk.settle()
+
+    def restart(self, t: float, x: Floats) -> None:
+        """Go on from (t, x), with what was learned before forgotten."""
+        for walk in (self._walk, self._spare):
+            walk.tolerances[:] = self._atol * self._model.nominals
+        self._walk.restart(t, x)
+        if self._taken.since == 0:
+            self._taken.row = t
+
+    def go(self, until: float, bound: float, rows: Rows) -> bool:
+        """Go on; see Integrator."""
+        outcome = self._walk.go(until, bound, rows)
+        if outcome == Outcome.STOPPED:
+            raise KeyboardInterrupt
+        if outcome == Outcome.TOO_SHORT:
+            raise AdcsError(
+                f"DOP853 cannot go on from t = {self.time:.9g} s: Required step size is less than spacing between "
+                "numbers; loosen the tolerances, or look for a state that diverges or jumps"
+            )
+        if outcome == Outcome.TOO_MANY:
+            raise too_many("DOP853", self._taken.row, self.time, min(rows.next, bound))
+        return outcome == Outcome.LOOK
+
+    def sketch(self, t: float) -> Floats:
+        """Return the state at a time within the last step, from the continuous extension."""
+        return self._walk.between(t)
+
+    def at(self, t: float) -> Floats:
+        """Return the state at a time within the last step, by a shorter step."""
+        if t == self.time:
+            return self.x
+        return self._walk.shorter(t, self._spare).copy()
+
+    def back(self, t: float) -> None:
+        """Let the last step end at a time within it."""
+        if t != self.time:
+            self._walk.shorter(t, self._spare)
+            self._walk, self._spare = self._spare, self._walk
+
+    def stop(self) -> None:
+        """Let `go` return; to be called from another thread."""
+        self._model.stop()
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """What it has taken, for the manifest."""
+        return self._taken.report

@@ -71,8 +71,8 @@ class Dop853:
             raise KeyboardInterrupt
         if outcome == Outcome.TOO_SHORT:
             raise AdcsError(
-                f"DOP853 cannot go on from t = {self.time:.9g} s: Required step size is less than spacing between "
-                "numbers; loosen the tolerances, or look for a state that diverges or jumps"
+                f"DOP853 cannot go on from t = {self.time:.9g} s: its steps become too small for time to "
+                "go on; loosen the tolerances, or look for a state that diverges or jumps"
             )
         if outcome == Outcome.TOO_MANY:
             raise too_many("DOP853", self._taken.row, self.time, min(rows.next, bound))

@@ -337,7 +337,7 @@ def test_coupled_model_exchange_follows_the_recomputed_loop(name: str) -> None:
     """All signals, the 24 estimates among them, while the body turns fastest."""
     stop = 1.5 if "projection" in name else 12.0
     times = np.linspace(0, stop, 21)
-    tolerances = {"rtol": 1e-11, "atol": 1e-13}
+    tolerances = {"rtol": 1e-12, "atol": 1e-14}
     expected = recomputed(name).run(times, **tolerances)
     result = run(SYSTEMS[name][0](), stop_time=stop, step=stop / 20, method=ModelExchange(**tolerances))
     for variable, signal in SIGNALS.items():

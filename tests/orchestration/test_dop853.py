@@ -103,7 +103,7 @@ def test_no_step_is_longer_than_the_longest(pendulums):
         ModelExchange(max_step=-1)
 
 
-@pytest.mark.parametrize("name", ["observer-pd", "six-dof", "gyro-free"])
+@pytest.mark.parametrize("name", ["observer-pd", "adaptive-baseline", "gyro-free"])
 def test_a_system_follows_scipy(name):
     """The state after 20 s, from derivatives through Python and SciPy's steps, at tolerances of equal size."""
     system = systems()[name].build()

@@ -21,6 +21,7 @@ from orchestration.fmu.file import FmiVersion, Kind
 from orchestration.isolation.folder import ResultsFolder, new_results
 from orchestration.plan.loops import LoopMethod
 from orchestration.process.writing import make_folder
+from orchestration.running.fitting import Fitting
 from orchestration.running.hook import Hook
 from orchestration.running.hooks.changes import Changes
 from orchestration.running.hooks.inputs import Inputs
@@ -86,7 +87,7 @@ class Steps:
     """How far, and in which steps."""
 
     step: Time | None = None
-    """Time between two exchanges and two rows. [default: that of the system]"""
+    """Time between two exchanges, and two rows. [default: that of the system]"""
     stop: Time | None = None
     """Stop time; the last step of a run is shorter, if need be. [default: that of the system; of a bridge, none]"""
 
@@ -116,8 +117,12 @@ class Times(Steps):
 
 @dataclass(frozen=True, kw_only=True)
 class _Choice:
-    method: Kind = "co-simulation"
-    """Exchange values every step, or integrate all components as one differential equation."""
+    method: Kind | None = None
+    """Exchange values every step, or integrate all components as one differential equation. [default: the latter, if
+    nothing is sampled, delayed, from elsewhere or watched from outside, and no --step is asked for]"""
+
+
+_COMMON = {f.name for f in fields(Method)}
 
 
 @group("How it is solved")
@@ -133,19 +138,25 @@ class Solving(ModelExchange, CoSimulation, _Choice):
     """Say what the exchange step costs in accuracy, output by output."""
 
     def made(self) -> Method:
-        """Return the method; AdcsError where an option is given that it has not."""
-        kind = next(each for each in METHODS if each.kind == self.method)
-        other = next(each for each in METHODS if each.kind != self.method)
-        names = {field.name for field in fields(kind)}
-        for option, field in given(self).items():
-            if field not in names and field in {f.name for f in fields(other)}:
-                add = (
-                    f"add --method {other.kind}"
-                    if self.method == _Choice.method
-                    else f"leave out --method {self.method}"
-                )
-                raise AdcsError(f"{option} {getattr(self, field)}: an option of {other.kind}, {add}")
-        return kind(**{name: getattr(self, name) for name in names})
+        """Return the method; AdcsError where options of two are given."""
+        owner = {f.name: kind for kind in METHODS for f in fields(kind) if f.name not in _COMMON} | {
+            "estimate_error": CoSimulation
+        }
+        asked = [(option, field) for option, field in given(self).items() if field in owner]
+        kinds = {owner[field] for _, field in asked}
+        if self.method is not None:
+            kind: type[Method] = next(each for each in METHODS if each.kind == self.method)
+            for option, field in asked:
+                if owner[field] is not kind:
+                    value = "" if field == "estimate_error" else f" {getattr(self, field)}"
+                    other = owner[field].kind
+                    raise AdcsError(f"{option}{value}: an option of {other}, leave out --method {self.method}")
+        elif len(kinds) > 1:
+            each = " and ".join(f"{option} ({owner[field].kind})" for option, field in asked)
+            raise AdcsError(f"{each} are options of two methods: leave one out")
+        else:
+            kind = kinds.pop() if kinds else Fitting
+        return kind(**{f.name: getattr(self, f.name) for f in fields(kind)})
 
 
 @group("What happens during the run")
@@ -257,6 +268,8 @@ class Results(Report):
 
     record: Annotated[tuple[str, ...], Parameter(metavar="NAME")] = ()
     """Write this variable only; may be repeated. [default: all outputs]"""
+    rows: Time | None = None
+    """Time between two rows. [default: the step]"""
     record_every: Whole = 1
     """Write every N-th row only."""
     format: tuple[Format, ...] = ()

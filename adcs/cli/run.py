@@ -54,8 +54,6 @@ def run(
     record = list(results.record) or None
     formats: list[Format] = list(dict.fromkeys(results.format or ("csv", "mat")))
     no_report = results.no_report or (record is not None and formats == ["hdf5"])  # whose file holds what is recorded
-    if solving.estimate_error and solving.method != "co-simulation":
-        raise AdcsError("--estimate-error is a matter of co-simulation: model-exchange has no exchange step")
     wanted = record if no_report else _with_outputs(built, record)  # the report needs more than what is written
     if stop == start:
         raise AdcsError(f"stop = {start:g} s is the start time: give a later one")
@@ -101,9 +99,9 @@ def run(
                 built,
                 start_time=start,
                 stop_time=stop,
-                step=step,
+                step=times.step,
                 method=method,
-                save=Save(wanted, every=results.record_every, to=run_files.journal),
+                save=Save(wanted, every=results.record_every, rows=results.rows, to=run_files.journal),
                 hooks=hooks,
                 resume=during.resume,
                 fmi_version=which.fmi_version,

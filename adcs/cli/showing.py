@@ -146,6 +146,9 @@ def _lines(result: Result) -> list[str]:
     manifest = result.manifest
     lines = []
     lines += [f"warning: {text}" for text in manifest.get("warnings", [])]
+    if chosen := manifest.get("chosen"):
+        how = "as one differential equation" if chosen["method"] == "model-exchange" else "by co-simulation"
+        lines.append(f"solved {how}: {chosen['because']}")
     timing = manifest["timing"]
     if timing.get("simulated_s_per_cpu_s"):
         lines.append(

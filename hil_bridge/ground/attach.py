@@ -49,6 +49,8 @@ class Bridge(Hook):
     When the process dies, the run goes on.
     """
 
+    exchanges = "ground tools take part"
+
     def __init__(
         self, system: System, signals: Signals, settings: Settings, commandable: Commandable | None = None
     ) -> None:

@@ -41,7 +41,12 @@ class CVode:
         """Bring no component to a time before the present one any more."""
         self._floor = self.time
 
-    def restart(self, t: float, x: Floats) -> None:
+    @property
+    def begin(self) -> tuple[float, Floats, float]:
+        """Never asked for: what it knows of many steps cannot be made again."""
+        raise NotImplementedError
+
+    def restart(self, t: float, x: Floats, length: float = 0.0) -> None:
         """Go on from (t, x), with what was learned before forgotten."""
         if self._since == 0:
             self._row = t

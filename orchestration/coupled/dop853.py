@@ -56,11 +56,16 @@ class Dop853:
         """Bring no component to a time before the present one any more."""
         self._walk.settle()
 
-    def restart(self, t: float, x: Floats) -> None:
-        """Go on from (t, x), with what was learned before forgotten."""
+    @property
+    def begin(self) -> tuple[float, Floats, float]:
+        """Time, state and length [s] with which `restart` makes the last step again."""
+        return self._walk.begin
+
+    def restart(self, t: float, x: Floats, length: float = 0.0) -> None:
+        """Go on from (t, x), with what was learned before forgotten, but for the length of a step (s), if given."""
         for walk in (self._walk, self._spare):
             walk.tolerances[:] = self._atol * self._model.nominals
-        self._walk.restart(t, x)
+        self._walk.restart(t, x, length)
         if self._taken.since == 0:
             self._taken.row = t
 

@@ -61,8 +61,12 @@ class Integrator(Protocol):
     def settle(self) -> None:
         """Bring no component to a time before the present one any more."""
 
-    def restart(self, t: float, x: Floats) -> None:
-        """Go on from (t, x), with what was learned before forgotten."""
+    @property
+    def begin(self) -> tuple[float, Floats, float]:
+        """Time, state and length [s] with which `restart` makes the last step again."""
+
+    def restart(self, t: float, x: Floats, length: float = 0.0) -> None:
+        """Go on from (t, x), with what was learned before forgotten, but for the length of a step (s), if given."""
 
     def go(self, until: float, bound: float, rows: Rows) -> bool:
         """Go on to `until`, or until all rows are written, or the last step is to be looked at; return whether it is.

@@ -42,7 +42,7 @@ class CoupledModel:
 
     `ended` is the wish of a component to end the simulation, at whose time the values are valid, but none after it.
     `state_names` names the elements of x, `x0` is the state after initialisation, `nominals` are the states' nominal
-    values, `next_event` is the time of the next time event (inf: none). Between two events `rhs`, `indicators` and
+    values. Between two events `rhs`, `indicators` and
     `outputs` are functions of (t, x) alone. Algebraic loops are refused unless `loops` says how to solve them.
     """
 
@@ -114,7 +114,6 @@ class CoupledModel:
             self._row_size = sum(port.size for port in self.ports.values())
             self._watchers = [i for i in self.instances.values() if _needs_completed_step(i)]
             self._indicators = _Indicators(self.instances.values())
-            self.next_event = inf
             self.ended: EndRequested | None = None
             self.x0 = self._settle(start_time)
             self._stack = stack.pop_all()
@@ -214,9 +213,14 @@ class CoupledModel:
         return self._indicators.owners[number]
 
     @property
+    def next_event(self) -> float:
+        """The time of the next time event [s]; inf if there is none."""
+        return min(self.next_events.values(), default=inf)
+
+    @property
     def next_event_of(self) -> str:
         """The component that has the next time event."""
-        return min(self._next, key=self._next.__getitem__)
+        return min(self.next_events, key=self.next_events.__getitem__)
 
     def completed_step(self, t: float, x: Floats) -> str | None:
         """Tell the components that want to know that the integrator accepted a step; return who asks for an event."""
@@ -255,10 +259,11 @@ class CoupledModel:
 
     def _settle(self, time: float) -> Floats:
         """In event mode: propagate and update discrete states until nothing changes; return the continuous states."""
-        self._next: dict[str, float] = {}
+        self.next_events: dict[str, float] = {}
+        """The time events ahead, by whose they are."""
         if self._source is not None:
             self._at_events.signals[: self._at_events.n_external] = self._source.at(np.array([time]))[0]
-            self._next["the table of inputs"] = self._source.jump(time)
+            self.next_events["the table of inputs"] = self._source.jump(time)
         unsettled = set(self.instances)
         self._propagate()
         for _ in range(_MAX_EVENT_ITERATIONS):
@@ -272,7 +277,6 @@ class CoupledModel:
         else:
             names = ", ".join(name for name in self.instances if name in unsettled)
             raise AdcsError(f"the event does not settle in {_MAX_EVENT_ITERATIONS} iterations: {names} keep changing")
-        self.next_event = min(self._next.values(), default=inf)
         states, nominals = [], []
         for instance in self.instances.values():
             instance.call("entering continuous-time mode", "enterContinuousTimeMode")
@@ -288,8 +292,8 @@ class CoupledModel:
         needed, terminate, _, _, defined, time = instance.call("updating discrete states", method)
         if terminate:
             self.ended = self.ended or instance.ended(now)
-        self._next[instance.name] = time if defined else inf
-        if not self._next[instance.name] >= -inf:
+        self.next_events[instance.name] = time if defined else inf
+        if not self.next_events[instance.name] >= -inf:
             raise CallFailed(instance.name, f"its next event is at t = {time!r} s: expected a time ahead")
         return bool(needed)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -182,6 +182,24 @@ class CoupledSimulation:
 
     def shorter_step(self) -> None:
         """Steps of the integrator are as long as it likes."""
+
+    @property
+    def external(self) -> Sequence[str]:
+        """The inputs whose values come from outside."""
+        return self.model.external
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Return what has to be kept to go on from here, besides the components' states."""
+        time, x, length = self._solution.begin
+        events = [self.model.next_events[name] for name in sorted(self.model.next_events)]
+        return {"walk": np.array([time, length]), "x": x, "next_events": np.array(events)}
+
+    def remember(self, k: int, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Go on at point k with what `memory` gave; the components are there already."""
+        self.k = k
+        self.model.next_events = dict(zip(sorted(self.model.next_events), memory["next_events"].tolist(), strict=True))
+        time, length = memory["walk"].tolist()
+        self._solution.resume(time, memory["x"], length)
 
     def report(self) -> dict[str, Any]:
         """Return what the manifest is to have of it."""

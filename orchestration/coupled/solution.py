@@ -220,8 +220,17 @@ class Solution:
         self._events.append(time)
         self._counted, self._last = self._counted + 1, component
 
-    def _restart(self, time: float, x: Floats) -> None:
-        self._integrator.restart(time, x)
+    @property
+    def begin(self) -> tuple[float, Floats, float]:
+        """Time, state and length [s] with which `resume` makes the last step again, and goes on as here."""
+        return self._integrator.begin
+
+    def resume(self, time: float, x: Floats, length: float) -> None:
+        """Go on from what `begin` gave."""
+        self._restart(time, x, length)
+
+    def _restart(self, time: float, x: Floats, length: float = 0.0) -> None:
+        self._integrator.restart(time, x, length)
         self._told = True
         self._look_anew()
 

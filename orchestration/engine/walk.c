@@ -44,6 +44,7 @@ typedef struct {
     double began, time; /* of the last step */
     double floor;       /* no component is brought to a time before this: that of an event */
     double length;      /* that the next step tries; 0: to be found */
+    double tried;       /* that the last step tried first; with `began` and `before` all that it takes to make it again */
     double* before;     /* (n) at `began` */
     double* x;          /* (n) at `time` */
     double* trial;      /* (n) */
@@ -197,6 +198,7 @@ static int32_t accepted(Walk* w, double bound) {
 static int32_t step(Walk* w, double bound) {
     const size_t n = w->n;
     w->began = w->time;
+    w->tried = w->length;
     if (n == 0) {
         w->time = fmin(w->began + w->longest, bound);
         return 0;
@@ -331,6 +333,7 @@ EXPORT bool adcs_shorter(const Walk* from, Walk* to, double t) {
     memcpy(to->stages, from->stages, n * sizeof(double));
     to->began = from->began;
     to->length = from->length;
+    to->tried = from->tried;
     to->floor = from->floor;
     double error;
     return engine_end(to->flow, attempt(to, t, &error) && complete(to, t));

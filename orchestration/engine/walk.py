@@ -79,6 +79,7 @@ class _Walk(ctypes.Structure):
         ("time", ctypes.c_double),
         ("floor", ctypes.c_double),
         ("length", ctypes.c_double),
+        ("tried", ctypes.c_double),
         ("before", ctypes.c_void_p),
         ("x", ctypes.c_void_p),
         ("trial", ctypes.c_void_p),
@@ -216,12 +217,18 @@ class Walk:
         """Bring no component to a time before the present one any more."""
         self._raw.floor = self._raw.time
 
-    def restart(self, t: float, x: Floats) -> None:
-        """Go on from (t, x), with what was learned before forgotten."""
+    @property
+    def begin(self) -> tuple[float, Floats, float]:
+        """Time and state at which the last step began, and the length [s] it tried first: `restart` makes it again."""
+        raw = self._raw
+        return (raw.began, self._before, raw.tried) if raw.time > raw.began else (raw.time, self.x, raw.length)
+
+    def restart(self, t: float, x: Floats, length: float = 0.0) -> None:
+        """Go on from (t, x) with a step of this length (s); 0: one that is to be found."""
         self.x[:] = self._before[:] = x
         self._raw.began = self._raw.time = self._raw.floor = t
         self._raw.started = self._raw.extended = False
-        self._raw.length = 0.0
+        self._raw.length = length
 
     def go(self, until: float, bound: float, rows: Rows) -> Outcome:
         """Go on to `until`, or until all rows are written, or there is something to be looked at in the last step.

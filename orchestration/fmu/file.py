@@ -198,6 +198,11 @@ class Fmu:
         """2 or 3."""
         return int(self.model.fmiMajorVersion)
 
+    @property
+    def ours(self) -> bool:
+        """Whether it was built here: it discards no step, and leaves alone what is not its own."""
+        return (self.model.generationTool or "").startswith("adcs-fmus ")
+
     def interface(self, kind: Kind) -> Any:
         """Return the description of the interface type; refuse an FMU that does not have it."""
         found = self.model.coSimulation if kind == "co-simulation" else self.model.modelExchange

@@ -36,7 +36,6 @@ _CLASSES = {
 _FMI2_NAMES = {"Float64": "Real", "Int32": "Integer"}
 _LAST_SUCCESSFUL_TIME, _TERMINATED = 2, 3  # of fmi2StatusKind
 _WITHOUT_CATEGORY = "PythonFMU"  # whose messages of exceptions have none: they come if no categories are asked for
-_OURS = "adcs-fmus "  # generationTool of the components built here, which never discard a step
 _WORD = re.compile(r"[A-Za-z_][\w.]*")
 # fmpy changes the working directory of the process while it loads a library, and leaves it so if that fails
 _loading = Lock()
@@ -302,7 +301,7 @@ class Instance:
     @cached_property
     def ours(self) -> bool:
         """Whether the FMU was built here: it leaves alone what is not its own."""
-        return (self.fmu.model.generationTool or "").startswith(_OURS)
+        return self.fmu.ours
 
     def read(self, references: Sequence[int], size: int, action: str = "get", type: str = "Float64") -> list[Any]:
         """Get values of a numeric type, named as in `Port.type`, as they are: an integer is one."""

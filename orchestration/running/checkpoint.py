@@ -1,4 +1,4 @@
-"""A co-simulation in a file: saved at a communication point, and gone on from there to the last bit."""
+"""A simulation in a file: saved at a point, and gone on from there to the last bit."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ from fmus.archive import Archive
 from fmus.errors import AdcsError, shown
 from orchestration.process.format import refuse_other_version
 from orchestration.process.writing import replacing
-from orchestration.running.session import Session
+from orchestration.running.method import Method
+from orchestration.running.simulation import Simulation
 
 _FORMAT = "adcs-checkpoint-1"
 
@@ -64,29 +65,28 @@ class Checkpoint:
             raise none
         return cls(path, k, about, arrays)
 
-    def apply(self, simulation: Session) -> None:
+    @property
+    def method(self) -> dict[str, Any] | None:
+        """The settings of its method, unless that is co-simulation."""
+        method = self.about.get("method")
+        return dict(method) if isinstance(method, dict) else None
+
+    def apply(self, simulation: Simulation, method: Method) -> None:
         """Take a simulation that was just initialised to the point; AdcsError if it is of another system."""
-        for key, here in _about(simulation).items():
+        for key, here in {"method": None, **_about(simulation, method)}.items():
             there = self.about.get(key)
             if here != there:
                 raise AdcsError(f"{self.path} is of another run: {_difference(key, there, here)}")
         if not aligned(simulation, self.k):
             raise not_aligned(simulation, self.k)
         states = [f"state_{i}" for i in range(len(simulation.instances))]
-        rings = {f"ring_{i}": ring.values.shape for i, ring in enumerate(simulation.rings)}
-        expected = {
-            name: (shape, np.float64) for name, shape in (("signals", simulation.signals.shape), *rings.items())
-        }
+        expected = simulation.memory()
         fits = all(
-            name in self.arrays and self.arrays[name].shape == shape and self.arrays[name].dtype == kind
-            for name, (shape, kind) in expected.items()
+            name in self.arrays and self.arrays[name].shape == array.shape and self.arrays[name].dtype == array.dtype
+            for name, array in expected.items()
         )
         if not fits or not all(name in self.arrays and self.arrays[name].dtype == np.uint8 for name in states):
             raise AdcsError(f"{self.path} is not complete, or of another run")
-        simulation.k = self.k
-        simulation.signals[:] = self.arrays["signals"]
-        for i, ring in enumerate(simulation.rings):
-            ring.values[:] = self.arrays[f"ring_{i}"]
         for i, instance in enumerate(simulation.instances.values()):
             try:
                 state = instance.deserialize(self.arrays[f"state_{i}"].tobytes())
@@ -94,17 +94,20 @@ class Checkpoint:
                 raise AdcsError(f"{self.path}: the saved state of {instance.name} is damaged") from None
             instance.restore(state)
             instance.free(state)
+        simulation.remember(self.k, self.arrays)
 
 
-def content(simulation: Session, k: int) -> bytes:
+def content(simulation: Simulation, k: int, method: Method) -> bytes:
     """Return what `write` saves: a simulation at point k, at which all its components communicate.
 
-    All of them are at its time, and what was propagated there is propagated again when it is gone on with.
+    What was propagated there is propagated again when it is gone on with; of Model Exchange, the last step is made
+    again.
     """
     arrays: dict[str, NDArray[Any]] = {
-        "about": np.frombuffer(json.dumps({"format": _FORMAT, "k": k, **_about(simulation)}).encode(), np.uint8),
-        "signals": simulation.signals,
-        **{f"ring_{i}": ring.values for i, ring in enumerate(simulation.rings)},
+        "about": np.frombuffer(
+            json.dumps({"format": _FORMAT, "k": k, **_about(simulation, method)}).encode(), np.uint8
+        ),
+        **simulation.memory(),
     }
     for i, instance in enumerate(simulation.instances.values()):
         state = instance.save()
@@ -121,7 +124,7 @@ def write(content: bytes, path: Path) -> None:
         name.write_bytes(content)
 
 
-def check(simulation: Session, path: Path) -> None:
+def check(simulation: Simulation, path: Path) -> None:
     """Refuse by name what cannot be saved, and where no file can be, before the run."""
     if path.is_dir():
         raise AdcsError(f"cannot write {path}: it is a folder")
@@ -133,32 +136,33 @@ def check(simulation: Session, path: Path) -> None:
             )
 
 
-def aligned(simulation: Session, k: int) -> bool:
+def aligned(simulation: Simulation, k: int) -> bool:
     """Whether all components communicate at point k."""
     return all(k % component.every == 0 for component in simulation.system.components.values())
 
 
-def not_aligned(simulation: Session, k: int) -> AdcsError:
+def not_aligned(simulation: Simulation, k: int) -> AdcsError:
     """Put into words that a checkpoint is not possible at point k."""
     name, every = next((c.name, c.every) for c in simulation.system.components.values() if k % c.every)
-    time = simulation.start + k * simulation.step
+    time = simulation.grid.time(k)
     return AdcsError(f"no checkpoint at t = {time:.9g} s: {name} communicates at every {every} steps, and not then")
 
 
-def _about(simulation: Session) -> dict[str, Any]:
+def _about(simulation: Simulation, method: Method) -> dict[str, Any]:
     connections = [
         [c.source, c.target, c.factor, c.offset, [list(pair) for pair in c.mapping], c.delay_steps, c.delay]
         for c in simulation.system.connections
     ]
     components = simulation.system.components.values()
     return {
-        "start time": simulation.start,
-        "step": simulation.step,
+        **({"method": method.for_manifest()} if method.kind == "model-exchange" else {}),
+        "start time": simulation.grid.start,
+        "step": simulation.grid.step,
         "FMUs": {name: instance.fmu.sha256 for name, instance in simulation.instances.items()},
         "connections": connections,
         "start values": {c.name: {n: repr(v) for n, v in sorted(c.start.items())} for c in components},
         "rates": {c.name: c.every for c in components},
-        "recorded variables": list(simulation.recording.ports),
+        "recorded variables": list(simulation.ports),
         "inputs from outside": list(simulation.external),
     }
 

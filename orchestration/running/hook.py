@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from orchestration.plan.lowering import Floats
 from orchestration.running.change import Change
@@ -35,6 +35,9 @@ class Hook:
     def __repr__(self) -> str:
         known = "".join(f" {name} = {value!r}" for name, value in self.for_manifest().items())
         return f"<{type(self).__name__}{known}>"
+
+    exchanges: ClassVar[str] = ""
+    """Why a run in which it takes part is a co-simulation, if no method is asked for: "it keeps to the clock"."""
 
     @property
     def repeatable(self) -> bool:

@@ -55,9 +55,10 @@ class Method:
         """Say why the last step may not be shorter than the others; None if it may."""
         raise NotImplementedError
 
-    def may_resume(self) -> bool:
-        """Whether it can go on from a checkpoint."""
-        return False
+    @property
+    def unsaved(self) -> str | None:
+        """Say what of it no checkpoint holds; None if it can go on from one."""
+        raise NotImplementedError
 
     def simulation(self, outline: Outline, guard: Guard | None = None) -> Simulation:
         """Make the components, and what solves them."""
@@ -117,9 +118,10 @@ class CoSimulation(Method):
         """Say which component takes steps of one length only."""
         return rigid(system, fmi_version)
 
-    def may_resume(self) -> bool:
-        """Whether it can go on from a checkpoint, which holds no choice of steps."""
-        return self.adaptive is None
+    @property
+    def unsaved(self) -> str | None:
+        """Say what of it no checkpoint holds."""
+        return None if self.adaptive is None else "adaptive exchange steps, whose choice it does not hold"
 
     def simulation(self, outline: Outline, guard: Guard | None = None) -> Simulation:
         """Make a session."""
@@ -183,6 +185,11 @@ class ModelExchange(Method):
         """Refuse what no differential equation can hold."""
         refuse(system, fmi_version)
 
+    @property
+    def unsaved(self) -> str | None:
+        """Say what of it no checkpoint holds."""
+        return "CVode, whose memory of its steps it does not hold" if self.solver == "CVode" else None
+
     def rigid(self, system: System, fmi_version: FmiVersion) -> str | None:
         """Steps are as long as the integrator likes."""
         return None
@@ -193,7 +200,7 @@ class ModelExchange(Method):
         model = CoupledModel(
             outline.system,
             grid.start,
-            grid.bound,
+            inf if outline.may_go_on else grid.bound,
             outline.fmi_version,
             list(recording.ports),
             loops=self.loops,
@@ -214,7 +221,7 @@ class ModelExchange(Method):
     def integrator(self) -> tuple[SolverName, float, float]:
         """Name, relative and absolute tolerance."""
         rtol = _RTOL[self.solver] if self.rtol is None else self.rtol
-        return self.solver, rtol, 0.01 * rtol if self.atol is None else self.atol
+        return self.solver, rtol, rtol / 100 if self.atol is None else self.atol
 
 
 METHODS: tuple[type[Method], ...] = (CoSimulation, ModelExchange)

@@ -66,8 +66,8 @@ class Outline:
         """Put it together; AdcsError if the run cannot go on from the checkpoint `resume`."""
         saved = None if resume is None else Checkpoint.read(Path(resume))
         first = 0 if saved is None else saved.k
-        if saved is not None and not method.may_resume():
-            raise AdcsError("resume: a checkpoint is of a co-simulation with steps of one size, go on with that")
+        if saved is not None and method.unsaved:
+            raise AdcsError(f"resume: not together with {method.unsaved}")
         if first > grid.full:
             stop = grid.time(grid.steps)
             raise AdcsError(f"{resume} is at t = {grid.time(first):g} s, after stop_time = {stop:g} s")

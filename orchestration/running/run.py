@@ -21,11 +21,11 @@ from orchestration.running import arguments
 from orchestration.running.account import Account
 from orchestration.running.asking import ask
 from orchestration.running.driver import Driver, Progress
+from orchestration.running.fitting import Fitting
 from orchestration.running.hook import Hook
-from orchestration.running.method import CoSimulation, Method
+from orchestration.running.method import Method
 from orchestration.running.outline import Outline
 from orchestration.running.save import Save
-from orchestration.running.session import Session
 from orchestration.running.simulation import Simulation
 from orchestration.system import System
 from orchestration.times import Seconds
@@ -37,7 +37,7 @@ def run(
     stop_time: Seconds | None = None,
     step: Seconds | None = None,
     start_time: Seconds | None = None,
-    method: Method = CoSimulation(),
+    method: Method = Fitting(),
     save: Save = Save(),
     hooks: Sequence[Hook] = (),
     resume: str | Path | None = None,
@@ -53,7 +53,9 @@ def run(
     "10ms". Those that are not given are the system's own; start_time is 0 if it has none. If they are no whole number
     of steps apart, the last step is shorter, where all components can take one.
 
-    `method` is `adcs.CoSimulation(...)` or `adcs.ModelExchange(...)`, `save` what is kept, and where: `adcs.Save(...)`.
+    `method` is `adcs.CoSimulation(...)` or `adcs.ModelExchange(...)`. Where none is given, it is the latter if nothing
+    is sampled, delayed, from elsewhere, or watched from outside, and no step is asked for; the manifest says which was
+    taken, and why. `save` is what is kept, and where: `adcs.Save(...)`.
     `hooks` take part in the run: `adcs.at`, `adcs.inputs`, `adcs.until`, `adcs.pace`, `adcs.checkpoint`, and hooks of
     your own (`adcs.Hook`). `resume` names a file that `adcs.checkpoint` has written: the run goes on from there.
     `fmi_version` says which file of a component known by name is taken. `progress` is called with the fraction done.
@@ -71,8 +73,15 @@ def run(
     choice("fmi_version", fmi_version, FmiVersion)
     if isolated:
         return run_apart(asked)
-    grid = Grid.make(*system.run_times(start_time, stop_time, step), partial(method.rigid, system, fmi_version))
+    because = None
+    if isinstance(method, Fitting):
+        method, because = method.choose(system, fmi_version, hooks, stepped=step is not None, resume=resume)
+    start, stop, step = system.run_times(start_time, stop_time, step)
+    step, save = save.spaced(step, method.kind == "co-simulation")
+    grid = Grid.make(start, stop, step, partial(method.rigid, system, fmi_version))
     outline = Outline.of(system, grid, method, save, fmi_version, resume)
+    if because is not None:
+        outline.about["chosen"] = {"method": method.kind, "because": because}
     method.refuse(system, fmi_version)
     for hook in hooks:
         ask(hook, "prepare", outline)
@@ -83,8 +92,8 @@ def run(
         make = partial(method.simulation, outline, guard)
         with watched_life(make, outline.recording.where, method.patience, account.manifest) as (simulation, watched):
             watched.stop = simulation.stop
-            if outline.saved is not None and isinstance(simulation, Session):
-                watched(partial(outline.saved.apply, simulation))
+            if outline.saved is not None:
+                watched(partial(outline.saved.apply, simulation, method))
             drive(simulation, hooks, watched, account, progress)
         outline.recording.flush()
     return account.complete()

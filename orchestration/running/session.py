@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fmus.errors import AdcsError
 from orchestration import expected
@@ -406,6 +407,16 @@ class Session:
                 raise AdcsError(f"{instance.name} ({instance.fmu.path.name}) cannot save its state")
         states = {name: instance.save() for name, instance in self.instances.items()}
         return Snapshot(self.k, self._plan.signals.copy(), tuple(r.values.copy() for r in self.rings), states)
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Return what has to be kept to go on from here, besides the components' states."""
+        return {"signals": self.signals, **{f"ring_{i}": ring.values for i, ring in enumerate(self.rings)}}
+
+    def remember(self, k: int, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Go on at point k with what `memory` gave; the components are there already."""
+        self.k = k
+        for name, values in self.memory().items():
+            values[:] = memory[name]
 
     def restore(self, snapshot: Snapshot) -> None:
         """Go back to a snapshot."""

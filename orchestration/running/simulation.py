@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
+
+from numpy.typing import NDArray
 
 from fmus.errors import AdcsError
 from orchestration.fmu.file import Port
@@ -110,6 +112,19 @@ class Simulation(Protocol):
 
     def stop(self, at_once: bool = False) -> None:
         """Let `advance` return before its next point, or before its next call; to be called from another thread."""
+        ...
+
+    @property
+    def external(self) -> Sequence[str]:
+        """The inputs whose values come from outside."""
+        ...
+
+    def memory(self) -> Mapping[str, NDArray[Any]]:
+        """Return what has to be kept to go on from here, besides the components' states."""
+        ...
+
+    def remember(self, k: int, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Go on at point k with what `memory` gave; the components are there already."""
         ...
 
     def report(self) -> Mapping[str, Any]:

@@ -120,5 +120,5 @@ def test_a_system_follows_scipy(name):
 def test_a_state_that_leaves_all_bounds_ends_the_run(mock):
     system = System("overflow")
     system.add("c", mock("oscillator"), {"a": 1e308, "b": 1e308, "u": 1e308})
-    with pytest.raises(RunFailed, match="^c failed at .* the derivative of b is not finite"):
+    with pytest.raises(RunFailed, match=r"^c failed at .* the derivative of b is not finite"):
         run(system, stop_time=100.0, step=10, method=ModelExchange(), save=Save(["c.position"]))

@@ -69,6 +69,7 @@ class Pace(Hook):
     """The run keeps to real time, or is `speed` times as fast."""
 
     _repeatable = True
+    exchanges = "it keeps to the clock"
 
     def __init__(self, speed: float = 1.0) -> None:
         self._speed = expected.number("pace: speed", speed)

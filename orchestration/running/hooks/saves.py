@@ -13,7 +13,6 @@ from orchestration.grid import whole_steps
 from orchestration.running import checkpoint as file
 from orchestration.running.hook import MOST, Hook, Watched, overrides, together
 from orchestration.running.outline import Outline
-from orchestration.running.session import Session
 from orchestration.running.simulation import Simulation
 from orchestration.times import Seconds
 
@@ -41,17 +40,14 @@ class Saves(Hook):
 
     def prepare(self, outline: Outline) -> None:
         """Refuse what is no time."""
-        if outline.method.kind != "co-simulation":
-            raise AdcsError(
-                "checkpoint: not with model-exchange, whose integrator has a memory of its own that cannot be saved"
-            )
         self._every, self._missing, self._trouble = None, [], ""
         if self._seconds is not None:
             if not self._seconds > 0:
                 raise AdcsError(f"checkpoint: every = {self._seconds:g} s: expected a positive time")
             self._every = whole_steps(self._seconds, outline.grid.step, "checkpoint: every")
-        if not outline.method.may_resume():
-            raise AdcsError("checkpoint: not together with adaptive exchange steps, whose choice it does not hold")
+        self._method = outline.method
+        if unsaved := self._method.unsaved:
+            raise AdcsError(f"checkpoint: not together with {unsaved}")
         if self._path.is_dir():
             raise AdcsError(f"checkpoint = {self._path}: it is a folder: give the name of a file in it")
         if self._path.is_file() and not file.is_checkpoint(self._path):
@@ -61,7 +57,6 @@ class Saves(Hook):
 
     def begin(self, simulation: Simulation, hooks: Sequence[Hook], watched: Watched) -> None:
         """Refuse by name what cannot be saved, or not then."""
-        assert isinstance(simulation, Session)
         self._simulation, self._watched = simulation, watched
         file.check(simulation, self._path)
         self._one_by_one = any(
@@ -82,22 +77,22 @@ class Saves(Hook):
     def after(self, point: int, time: float) -> None:
         """Save, if it is time to, or if a last step comes that is shorter, since its end is on no grid."""
         simulation, k = self._simulation, self._simulation.k
-        if simulation.shorter_due:
-            self.end()
+        if point == simulation.grid.full and simulation.grid.shorter:
+            self._save(point)
         elif self._every is not None and k % self._every == 0 and k <= simulation.grid.full:
             self._save(k)
 
     def end(self) -> None:
         """Save where the run ended, or before a last step that is shorter."""
         simulation = self._simulation
-        if simulation.k > simulation.grid.full and not simulation.shorter_due and simulation.grid.shorter:
+        if simulation.k > simulation.grid.full and simulation.grid.shorter:
             return
         k = min(simulation.k, simulation.grid.full)
         if file.aligned(simulation, k):  # it was interrupted, if not
             self._save(k)
 
     def _save(self, k: int) -> None:
-        content = self._watched(partial(file.content, self._simulation, k))
+        content = self._watched(partial(file.content, self._simulation, k, self._method))
         try:
             file.write(content, self._path)
         except AdcsError as error:

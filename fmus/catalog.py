@@ -1,6 +1,7 @@
 """The components: one C++ header each, found in the source tree, or where somebody else has it."""
 
 import hashlib
+import logging
 import os
 import re
 from collections.abc import Iterable
@@ -12,6 +13,8 @@ from typing import Literal
 from fmus.errors import AdcsError
 from fmus.paths import BUILD, SOURCES
 from fmus.spelling import close
+
+_log = logging.getLogger("adcs")
 
 Kind = Literal["guidance", "plant", "environment", "sensor", "observer", "controller"]
 
@@ -116,11 +119,21 @@ def from_header(path: Path) -> Component:
     found = _component(header, "controller")
     if found is None:
         raise AdcsError(f"{path} declares no component: `adcs new controller my_law` writes one to begin with")
-    said = re.search(r'\bkind\s*=\s*"(\w*)"', header.read_text(encoding="utf-8"))
-    kind = said[1] if said else KINDS.get(header.parent.name, found.kind)
+    code = header.read_text(encoding="utf-8")
+    if not re.search(r'^\s*#\s*include\s*["<][^">]+\.hpp[">]', code, re.MULTILINE):
+        raise AdcsError(f'{path} includes nothing that a component is made of: #include "fmi/declaration.hpp"')
+    said = re.search(r'\bkind\s*=\s*"(\w*)"', code)
+    kind = said[1] if said else KINDS.get(header.parent.name) or _assumed_kind(header, found.kind)
     if kind not in KINDS.values():
         raise AdcsError(f"{path}: kind = {kind!r} is unknown: use {' or '.join(KINDS.values())}")
     return replace(found, kind=kind, header=header, root=header.parent)
+
+
+@cache
+def _assumed_kind(header: Path, kind: str) -> str:
+    """Return the kind of a header that says none, and say so once."""
+    _log.warning(f'{header} says no kind and is taken for a {kind}: static constexpr auto kind = "sensor"; is another')
+    return kind
 
 
 def find(name: str, others: Iterable[str] = ()) -> Component:

@@ -114,6 +114,20 @@ class Step:
         """Where is kept what the output was made of."""
         return _beside(self.output, ".json")
 
+    @property
+    def log(self) -> Path:
+        """Where is kept what the compiler said when it refused."""
+        return _beside(self.output, ".log")
+
+
+class NotCompiled(AdcsError):
+    """What the compiler or linker has refused, with all that it says."""
+
+    def __init__(self, step: Step, output: str) -> None:
+        super().__init__(f"making {step.output.name} failed:\n{output}")
+        self.step = step
+        self.output = output
+
 
 def compile_step(source: Path, output: Path, target: Target, *flags: str, header: Step | None = None) -> Step:
     """Compiles one C++ file to an object file, starting from a precompiled header if there is one."""
@@ -213,7 +227,8 @@ def _run(step: Step) -> None:
         step.output.with_suffix(stray).unlink(missing_ok=True)
     if result.returncode != 0:
         step.output.unlink(missing_ok=True)
-        raise AdcsError(f"making {step.output.name} failed:\n{result.stderr.strip()}")
+        write_atomically(step.log, result.stderr.encode())
+        raise NotCompiled(step, result.stderr.strip())
     inputs = _dependencies(step.depfile) if step.includes else step.inputs
     if any(path.stat().st_mtime_ns > started for path in inputs):  # edited meanwhile: who knows what was read
         step.record.unlink(missing_ok=True)

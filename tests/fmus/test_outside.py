@@ -47,7 +47,7 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("own project")  # a blank in its name
     ran = command(folder, "new", "controller", "rate_law")
     assert ran.returncode == 0, ran.stderr
-    (folder / "loop.py").write_text(LOOP.replace("HEADER", str(folder / "rate_law.hpp")))
+    (folder / "loop.py").write_text(LOOP.replace("HEADER", "rate_law.hpp"))
     return folder
 
 

@@ -251,7 +251,7 @@ class _Plan:
             file.relative_to(root).as_posix(): file.read_bytes()
             for root in (SOURCES, *self._roots)
             for file in files
-            if file.is_relative_to(root)
+            if file.is_relative_to(root) and file.is_file()
         }
         return {
             self._model.name: self._model.read_bytes(),
@@ -270,7 +270,7 @@ class _Plan:
         others = (SOURCES, EIGEN, FMI_HEADERS, self._work)
         outside = [f for f in sorted(files) if self._roots and not any(f.is_relative_to(place) for place in others)]
         for file in outside:
-            if not any(file.is_relative_to(root) for root in self._roots):
+            if file.is_file() and not any(file.is_relative_to(root) for root in self._roots):
                 raise AdcsError(
                     f"{self.component.header} includes {file}, which its FMU's sources cannot hold: put it into the "
                     "folder of the header"

@@ -109,6 +109,28 @@ def test_a_header_includes_what_is_beside_it_and_its_fmu_has_that_in_its_sources
         assert {"sources/other_law.hpp", "sources/gain.hpp", "sources/fmi/declaration.hpp"} <= set(fmu.namelist())
 
 
+def test_what_a_header_asks_for_may_appear_and_go(project: Path, tmp_path: Path) -> None:
+    header, gain = tmp_path / "asking_law.hpp", tmp_path / "gain.hpp"
+    header.write_text(
+        (project / "rate_law.hpp")
+        .read_text()
+        .replace("RateLaw", "AskingLaw")
+        .replace("#pragma once", '#pragma once\n#if __has_include("gain.hpp")\n#include "gain.hpp"\n#endif')
+        .replace("-k * omega_BN_B;", "-k * omega_BN_B;\n#ifdef GAIN\n        torque_B *= GAIN;\n#endif\n   ")
+    )
+    system = adcs.System("alone")
+    system.add("law", header, {"omega_BN_B": [1.0, 0.0, 0.0]})
+
+    def torque() -> float:
+        return float(adcs.run(system, stop_time=1, step=1)["law.torque_B"][0, 0])
+
+    assert torque() == -1.0
+    gain.write_text("#pragma once\n#define GAIN 4.0\n")
+    assert torque() == -4.0
+    gain.unlink()
+    assert torque() == -1.0
+
+
 def test_two_of_one_name_in_two_folders_are_two(project: Path, tmp_path: Path) -> None:
     text = (project / "rate_law.hpp").read_text()
     (tmp_path / "rate_law.hpp").write_text(text.replace("-k * omega_BN_B", "-10 * k * omega_BN_B"))

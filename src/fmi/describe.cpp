@@ -194,14 +194,15 @@ bool introduces_unit(const Table& table, const Variable& v) {
 /// The exit code for a mistake in the header: what is printed is a text by which its line is found, a tab, and words.
 constexpr int declares_wrong = 2;
 
-bool refuse(const char* quote, const char* text, const char* words) {
-    std::fprintf(stderr, "%s%s%s\t", quote, text, quote);
-    std::fprintf(stderr, words, text);
-    std::fputc('\n', stderr);
+bool refuse(const Variable& v, const char* before, const char* after) {
+    std::fprintf(stderr, "\"%s\"\t%s%s%s\n", v.name, before, v.name, after);
     return false;
 }
 
-bool refuse(const Variable& v, const char* words) { return refuse("\"", v.name, words); }
+bool refuse(const char* found_by, const char* words) {
+    std::fprintf(stderr, "%s\t%s\n", found_by, words);
+    return false;
+}
 
 bool is_name(const char* name) {
     const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
@@ -216,10 +217,10 @@ bool is_name(const char* name) {
 bool are_names_right(const Table& table) {
     for (const Variable& v : table) {
         if (v.role == Role::derivative) continue;  // goes by the state's name
-        if (!is_name(v.name)) return refuse(v, "'%s' is no name of a variable (letters, digits and underscores)");
+        if (!is_name(v.name)) return refuse(v, "'", "' is no name of a variable (letters, digits and underscores)");
         for (const Variable* earlier = table.begin(); earlier != &v; ++earlier) {
             if (earlier->role != Role::derivative && std::strcmp(v.name, earlier->name) == 0)
-                return refuse(v, "variable %s is declared twice (give one of them another name)");
+                return refuse(v, "variable ", " is declared twice (give one of them another name)");
         }
     }
     return true;
@@ -232,18 +233,18 @@ bool are_functions_there(const Table& table, const Description& has) {
         outputs = outputs || (v.causality == Causality::output && v.role == Role::plain);
         states = states || v.role == Role::state;
         if (v.causality == Causality::output && v.role == Role::plain && !has.has_outputs)
-            return refuse(v, "nothing sets the output %s (write void outputs())");
+            return refuse(v, "nothing sets the output ", " (write void outputs())");
         if (v.role == Role::held && !has.sampled)
-            return refuse(v, "nothing sets %s, which is held (write void sample(std::int64_t k) and sample_times())");
+            return refuse(v, "nothing sets ", ", which is held (write void sample(std::int64_t k) and sample_times())");
         if (v.role != Role::state) continue;
         if (!has.has_derivatives && !has.has_outputs)
-            return refuse(v, "nothing sets the derivative of %s (write void derivatives())");
+            return refuse(v, "nothing sets the derivative of ", " (write void derivatives())");
         if (v.unit->per_second == nullptr)
-            return refuse(v, "the unit of the state %s has none for its derivative (a Unit of your own names one)");
+            return refuse(v, "the unit of the state ", " has none for its derivative (a Unit of your own names one)");
     }
-    if (!outputs && !states) return refuse("", "declare(", "it declares no output (v.output(...) in declare())");
+    if (!outputs && !states) return refuse("declare(", "it declares no output (v.output(...) in declare())");
     if (!states && has.has_derivatives)
-        return refuse("", "derivatives()", "%s has no state to be of (v.state(...) in declare())");
+        return refuse("derivatives()", "derivatives() has no state to be of (v.state(...) in declare())");
     return true;
 }
 
@@ -273,12 +274,12 @@ bool is_all_set(Model& model, bool sampled) {
     model.outputs();
     for (const Variable& v : model.table()) {
         if (is_output(v) && !is_set(v))
-            return refuse(v, "outputs() does not set %s, or reads it before it does (set all of it, each time)");
+            return refuse(v, "outputs() does not set ", ", or reads it before it does (set all of it, each time)");
     }
     model.derivatives();
     for (const Variable& v : model.table()) {
         if (v.role == Role::derivative && !is_set(v))
-            return refuse(v, "the derivative of %s is not set, or read before it is (set all of it, each time)");
+            return refuse(v, "the derivative of ", " is not set, or read before it is (set all of it, each time)");
     }
     return true;
 }

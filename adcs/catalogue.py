@@ -13,6 +13,7 @@ from adcs.library.entry import StudyEntry
 from fmus import catalog
 from fmus.built import fmus_of
 from fmus.catalog import Component
+from fmus.demand import ready_made
 from fmus.errors import AdcsError, shown
 from fmus.spelling import close
 from orchestration.entry import SystemEntry
@@ -51,12 +52,19 @@ def descriptions() -> dict[str, str]:
 
 def _brought() -> Iterator[tuple[str, SystemEntry | AdcsError]]:
     """Yield the systems of other packages, and for what cannot be loaded why: that is no reason to hide the others."""
+    own = _own_components()
+    others.warn_of_clashes(SYSTEMS, "a system")
+    others.warn_of_clashes(own, "a component")
     for name, point in others.names().items():
-        if name not in SYSTEMS:
+        if name not in SYSTEMS and name not in own:
             try:
                 yield name, others.load(point)
             except AdcsError as error:
                 yield name, error
+
+
+def _own_components() -> set[str]:
+    return {component.name for component in catalog.components()}
 
 
 def studies() -> dict[str, StudyEntry]:
@@ -76,7 +84,7 @@ def names_system(name: str) -> bool:
     """Whether a name is that of a system, or of a file with one; not that of a component, which can be one as well."""
     if name in SYSTEMS or is_ssp(name) or is_python(name):
         return True
-    return name in others.names() and name not in (component.name for component in catalog.components())
+    return name in others.names() and name not in _own_components()
 
 
 def fmus_meant(name: str) -> list[Path]:
@@ -84,6 +92,8 @@ def fmus_meant(name: str) -> list[Path]:
     if names_system(name):
         parts = find_system(name).build().components.values()
         return list(dict.fromkeys(path for part in parts for path in fmus_meant(str(part.source))))
+    if ready_made(name) is not None:
+        return list(catalog.brought(name)[name].fmus)
     if Path(name).suffix != ".fmu":
         return fmus_of(find_component(name))
     if not Path(name).is_file():
@@ -99,13 +109,15 @@ def find_system(name: str) -> SystemEntry:
     if is_file(name):
         return system_from_file(name)
     if name not in SYSTEMS:
-        components = [component.name for component in catalog.components()]
+        own, theirs = _own_components(), others.names()
+        others.warn_of_clashes(own & {name}, "a component")
+        if name in theirs and name not in own:
+            return others.load(theirs[name])
+        components = [*own, *catalog.brought(name)]
         if name in components:
             return component_alone(name)
-        brought = others.names()
-        if name in brought:
-            return others.load(brought[name])
-        meant = close(name, [*SYSTEMS, *brought, *components])
+        meant = close(name, [*SYSTEMS, *theirs, *components])
         hint = f"did you mean {meant}? " if meant else ""
         raise AdcsError(f"no system {shown(repr(name))}: {hint}{_WAY_OUT}")
+    others.warn_of_clashes({name}, "a system")
     return SYSTEMS[name]

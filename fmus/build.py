@@ -13,14 +13,16 @@ from fmus import catalog, freshness
 from fmus.amalgamation import amalgamated
 from fmus.carried import carried_description
 from fmus.catalog import Component
-from fmus.describe import Description, described, parse
+from fmus.describe import Description, Misdeclared, described, parse
 from fmus.errors import AdcsError
 from fmus.files import digest, write_atomically
 from fmus.lock import Lock
+from fmus.mistakes import from_compiler, from_declaration
 from fmus.pack import FILE_NAMES, Parts, is_own, licences, pack
 from fmus.paths import BUILD, DIST, EIGEN, FMI_HEADERS, SOURCES
 from fmus.toolchain import (
     TARGETS,
+    NotCompiled,
     Step,
     Target,
     compile_step,
@@ -77,7 +79,7 @@ def parts(
 ) -> list[tuple[Component, Parts, dict[str, Any]]]:
     """Build all components for all platforms; return what their FMUs are packed of, and their descriptions as JSON."""
     with _compiled(catalog.components(), TARGETS, work, progress) as (plans, _):
-        return [(plan.component, plan.parts(), described(plan.describe_link.output)) for plan in plans]
+        return [(plan.component, plan.parts(), plan.described()) for plan in plans]
 
 
 @contextmanager
@@ -99,12 +101,24 @@ def _compiled(
 
         def run(steps: Iterable[Step]) -> None:
             unique = {step.output: step for step in steps}.values()
-            run_steps(unique, lambda step: count(step.output.relative_to(work).as_posix()))
+            try:
+                run_steps(unique, lambda step: count(step.output.relative_to(work).as_posix()))
+            except NotCompiled as error:
+                raise _in_a_line(error, plans) from None
 
         run(step for plan in plans for step in plan.headers)
         run(step for plan in plans for step in plan.compiles)
         run(step for plan in plans for step in plan.links)
         yield plans, count
+
+
+def _in_a_line(error: NotCompiled, plans: Sequence[_Plan]) -> AdcsError:
+    """Return what is wrong with the header of a component, if it is one of a component that was not compiled."""
+    for plan in plans:
+        if error.step in plan.own_steps:
+            mistake = from_compiler(error.output, plan.component.header, plan.component.name)
+            return AdcsError(f"{mistake}; the compiler's full output: {error.step.log}")
+    return error
 
 
 def describe(name: str, work: Path = BUILD) -> Description:
@@ -114,7 +128,7 @@ def describe(name: str, work: Path = BUILD) -> Description:
     if known is not None:
         return known
     with _compiled([component], (), work, lambda done, total, what: None) as ((plan,), _):
-        return parse(described(plan.describe_link.output))
+        return parse(plan.described())
 
 
 @contextmanager
@@ -188,6 +202,15 @@ class _Plan:
         self.headers = [header, *headers.values()]
         self.compiles = [*describe, *self._adaptor.values(), *self._models.values()]
         self.links = [self.describe_link, *self._binaries.values()]
+        self.own_steps = [describe[0], *self._models.values(), *self.links]
+
+    def described(self) -> dict[str, Any]:
+        """Return what the component declares, as JSON; AdcsError in one line if it declares what cannot be."""
+        try:
+            return described(self.describe_link.output)
+        except Misdeclared as error:
+            mistake = from_declaration(str(error), self.component.header, self.component.name)
+            raise AdcsError(mistake) from None
 
     def pack(self, dist: Path) -> Iterator[Path]:
         """Write the FMUs unless they were packed of the same things before; yield their paths."""
@@ -210,7 +233,7 @@ class _Plan:
 
         name, kind = self.component.name, self.component.kind
         return Parts(
-            description=parse(described(self.describe_link.output)),
+            description=parse(self.described()),
             binaries={target: step.output.read_bytes() for target, step in self._binaries.items()},
             sources={version: self._sources(version) for version in FILE_NAMES},
             icons={form: icon.draw(name, kind, form) for form in ("png", "svg")},
@@ -228,7 +251,7 @@ class _Plan:
             file.relative_to(root).as_posix(): file.read_bytes()
             for root in (SOURCES, *self._roots)
             for file in files
-            if file.is_relative_to(root)
+            if file.is_relative_to(root) and file.is_file()
         }
         return {
             self._model.name: self._model.read_bytes(),
@@ -247,7 +270,7 @@ class _Plan:
         others = (SOURCES, EIGEN, FMI_HEADERS, self._work)
         outside = [f for f in sorted(files) if self._roots and not any(f.is_relative_to(place) for place in others)]
         for file in outside:
-            if not any(file.is_relative_to(root) for root in self._roots):
+            if file.is_file() and not any(file.is_relative_to(root) for root in self._roots):
                 raise AdcsError(
                     f"{self.component.header} includes {file}, which its FMU's sources cannot hold: put it into the "
                     "folder of the header"

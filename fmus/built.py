@@ -6,14 +6,15 @@ from pathlib import Path
 
 from fmus import catalog
 from fmus.catalog import Component
-from fmus.demand import fmu_path, place
+from fmus.demand import came_with, fmu_path, place
 from fmus.errors import Failed
 from fmus.pack import FILE_NAMES
 
 
 def built(component: Component) -> dict[str, Path]:
     """FMI version -> the FMU, of those that are built."""
-    return {version: path for version in FILE_NAMES if (path := place(component, version)).is_file()}
+    places = {version: came_with(component, version) or place(component, version) for version in FILE_NAMES}
+    return {version: path for version, path in places.items() if path.is_file()}
 
 
 def all_built() -> list[Path]:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Literal
 
 from fmus.errors import AdcsError
+from fmus.packages import GROUP, component_files, points, warn_once
 from fmus.paths import BUILD, SOURCES
 from fmus.spelling import close
 
@@ -116,32 +117,84 @@ def from_header(path: Path) -> Component:
     found = _component(header, "controller")
     if found is None:
         raise AdcsError(f"{path} declares no component: `adcs new controller my_law` writes one to begin with")
-    said = re.search(r'\bkind\s*=\s*"(\w*)"', header.read_text(encoding="utf-8"))
-    kind = said[1] if said else KINDS.get(header.parent.name, found.kind)
+    code = header.read_text(encoding="utf-8")
+    if not re.search(r'^\s*#\s*include\s*["<][^">]+\.hpp[">]', code, re.MULTILINE):
+        raise AdcsError(f'{path} includes nothing that a component is made of: #include "fmi/declaration.hpp"')
+    said = re.search(r'\bkind\s*=\s*"(\w*)"', code)
+    kind = said[1] if said else KINDS.get(header.parent.name) or _assumed_kind(header, found.kind)
     if kind not in KINDS.values():
         raise AdcsError(f"{path}: kind = {kind!r} is unknown: use {' or '.join(KINDS.values())}")
     return replace(found, kind=kind, header=header, root=header.parent)
 
 
+def _assumed_kind(header: Path, kind: str) -> str:
+    """Return the kind of a header that says none, and say so."""
+    warn_once(f'{header} says no kind and is taken for a {kind}: static constexpr auto kind = "sensor"; is another')
+    return kind
+
+
+@dataclass(frozen=True)
+class Brought:
+    """A component that another package brings: its header, which is built when it is used, or FMUs."""
+
+    name: str
+    package: str
+    """Whose it is, in words."""
+    header: Path | None = None
+    fmus: tuple[Path, ...] = ()
+
+
+def brought(asked: str | None = None) -> dict[str, Brought]:
+    """The components of other packages by name.
+
+    One whose name something else has, here or there, is told, if it is asked for by that name, or all are.
+    """
+    found: dict[str, Brought] = {}
+    if not points(GROUP):
+        return found
+    own = {component.name for component in components()}
+    for path, package in component_files(quiet=asked in own):
+        header = path if is_header(path) else None
+        if header is not None and "declare(" not in header.read_text(encoding="utf-8", errors="replace"):
+            continue
+        name = path.name.partition(".")[0] if header is None else struct_name(path.stem)
+        known = found.get(name, Brought(name, package))
+        if name in own or known.package != package or (header and known.header):
+            whose = "this project" if name in own else known.package
+            if asked in (None, name):
+                warn_once(f"{name} is a component of {whose}; that of {package}, {path}, goes by its path only")
+        elif header is None:
+            found[name] = replace(known, fmus=(*known.fmus, path))
+        else:
+            found[name] = replace(known, header=header)
+    return found
+
+
 def find(name: str, others: Iterable[str] = ()) -> Component:
     """The component called `name`, or declared in this header; AdcsError if there is none.
 
-    One of the `others` may have been meant instead.
+    Those of this project come first, then those of other packages. One of the `others` may have been meant instead.
     """
     if is_header(name):
         return from_header(Path(name))
+    if (own := _own(name)) is not None:
+        return own
+    theirs = brought(name)
+    if name in theirs:
+        if (header := theirs[name].header) is not None:
+            return from_header(header)
+        raise AdcsError(f"{name} of {theirs[name].package} is an FMU without its header: {theirs[name].fmus[0]}")
+    meant = close(name, [*(component.name for component in components()), *theirs, *others])
+    raise AdcsError(f"no component is called {name}: {f'did you mean {meant}?' if meant else '`adcs list` shows all'}")
+
+
+def _own(name: str) -> Component | None:
     file = re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower() + ".hpp"
     for folder, kind in KINDS.items():  # where it should be; reading all of them takes a hundred times as long
         found = _component(SOURCES / folder / file, kind)
         if found is not None and found.name == name:
             return found
-    known = {c.name: c for c in components()}
-    if name not in known:
-        meant = close(name, [*known, *others])
-        raise AdcsError(
-            f"no component is called {name}: {f'did you mean {meant}?' if meant else '`adcs list` shows all'}"
-        )
-    return known[name]
+    return next((component for component in components() if component.name == name), None)
 
 
 def _component(header: Path, kind: str) -> Component | None:

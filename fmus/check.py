@@ -20,12 +20,16 @@ from fmus.checks.description import (
     check_standard,
     check_variables,
 )
+from fmus.checks.functions import FUNCTIONS, advice, bare, called_in
 from fmus.checks.version import check_version
 from fmus.errors import AdcsError
+from fmus.pack import is_own
 from fmus.readable import read_model
 from fmus.references import unresolved
 from fmus.toolchain import INSTALL
 from fmus.xml import parse
+
+BINARIES = (".so", ".dll", ".dylib")
 
 
 @dataclass(frozen=True)
@@ -33,8 +37,8 @@ class Finding:
     """Something found in an FMU."""
 
     rule: str
-    """Which check found it: archive, layout, standard, companions, variables, dependencies, binaries, behaviour, run;
-    the last one is about what `adcs run` refuses."""
+    """Which check found it: archive, layout, standard, companions, variables, dependencies, binaries, sources,
+    behaviour, run; the last one is about what `adcs run` refuses."""
     message: str
     severity: Literal["fault", "note"] = "fault"
     """A note is about what no standard forbids, but what some machine or tool cannot do with."""
@@ -79,6 +83,8 @@ def _check(path: Path, behaviour: Callable[[Path], Iterable[str]]) -> Iterator[F
                 yield from _found("dependencies", check_dependencies(model))
                 kinds = {type(i).__name__ for i in interfaces}
                 yield from _found("binaries", _check_binaries(safe, model.fmiVersion, kinds))
+                if is_own(path):
+                    yield from _found("sources", _check_laws(safe))
         except _Unreadable as error:
             yield Finding("standard", str(error))
             return
@@ -97,8 +103,30 @@ def _check_binaries(archive: Archive, fmi_version: str, interfaces: set[str]) ->
     from fmus.checks.binary import check_binary  # not at the top: the library behind it takes a second to load
 
     for name in archive.names:
-        if name.startswith("binaries/") and name.endswith((".so", ".dll", ".dylib")):
+        if name.startswith("binaries/") and name.endswith(BINARIES):
             yield from check_binary(name, archive.read(name), fmi_version, interfaces)
+
+
+def _check_laws(archive: Archive) -> Iterator[str]:
+    """What laws call, in an FMU of this project's making: by their sources, and by what is not seen there."""
+    told: set[str] = set()
+    for name in archive.names:
+        if name.startswith("sources/") and name.endswith((".hpp", ".cpp")):
+            for line, function in called_in(archive.read(name, LARGEST_XML).decode(errors="replace")):
+                told.add(bare(function))
+                yield f"{name}:{line}: {advice(function)}"
+    if find_spec("lief") is None:
+        return  # which is said of the binaries
+    from fmus.checks.binary import imported
+
+    called = {
+        function
+        for name in archive.names
+        if name.startswith("binaries/") and name.endswith(BINARIES)
+        for function in imported(archive.read(name)) & FUNCTIONS
+    }
+    for function in sorted(called - told):
+        yield f"its binary calls {advice(function)}"
 
 
 class _Unreadable(Exception):

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import logging
+import re
 from pathlib import Path
+from zipfile import ZipFile
 
 from fmus import freshness, paths, toolchain
 from fmus.build import build
 from fmus.carried import carried_parts
-from fmus.catalog import Component, find
+from fmus.catalog import Component, brought, find, is_header
 from fmus.errors import AdcsError, Failed
 from fmus.files import write_atomically
-from fmus.pack import FILE_NAMES, pack
+from fmus.pack import FILE_NAMES, is_own, pack
 
 _log = logging.getLogger("adcs")
 
@@ -23,13 +25,56 @@ def fmu_path(name: str, fmi_version: str = "2.0") -> Path:
     """
     if fmi_version not in FILE_NAMES:
         raise AdcsError(f"FMI version {fmi_version} is not made: expected {' or '.join(FILE_NAMES)}")
+    ready = ready_made(name, fmi_version)
+    if ready is not None:
+        return ready
     component = find(name)
+    came = came_with(component, fmi_version)
+    if came is not None:
+        return came
     path = place(component, fmi_version)
     header = str(component.header) if component.outside else None
     why = freshness.outdated(path, toolchain.host().name, toolchain.compiler(), header)
     if why is not None:
         _make(component, f"{path.name} {why}")
     return path
+
+
+def ready_made(name: str, fmi_version: str = "2.0") -> Path | None:
+    """The FMU of this name that another package brings without a header; of two, the one of this version of FMI."""
+    theirs = None if is_header(name) else brought(name).get(name)
+    if theirs is None or theirs.header is not None:
+        return None
+    called = FILE_NAMES[fmi_version].format(name)
+    return next((path for path in theirs.fmus if path.name == called), theirs.fmus[0])
+
+
+def came_with(component: Component, fmi_version: str) -> Path | None:
+    """The FMU that came beside a header from elsewhere, not built here, if its sources are that header's."""
+    if component.root is None:
+        return None
+    path = component.header.parent / FILE_NAMES[fmi_version].format(component.name)
+    built_here = path in freshness.recorded(path.parent)
+    return None if built_here or not path.is_file() or not _is_of(path, component, component.root) else path
+
+
+def _is_of(fmu: Path, component: Component, root: Path) -> bool:
+    """Whether an FMU has a binary for this machine, and in its sources what the header and those beside it are now."""
+    if not is_own(fmu):
+        return False
+    machine = toolchain.host()
+    with ZipFile(fmu) as archive:
+        members = set(archive.namelist())
+        sources = [name.removeprefix("sources/") for name in members if re.fullmatch(r"sources/.*\.hpp", name)]
+        theirs = [name for name in sources if not (paths.SOURCES / name).is_file()]
+        binaries = {
+            f"binaries/{place}/{component.name}{machine.suffix}" for place in (machine.fmi2_folder, machine.name)
+        }
+        return (
+            bool(binaries & members)
+            and component.include in theirs
+            and all((root / n).is_file() and (root / n).read_bytes() == archive.read(f"sources/{n}") for n in theirs)
+        )
 
 
 def place(component: Component, fmi_version: str) -> Path:

@@ -121,9 +121,19 @@ class Description:
         return next(v for v in self.variables if v.vr <= scalar_vr < v.vr + v.size)
 
 
+REFUSED = 2
+"""The exit code of a describe program for a mistake in the declaration, as in `src/fmi/describe.cpp`."""
+
+
+class Misdeclared(AdcsError):
+    """What a describe program refuses: a text by which the line is found, a tab, and words."""
+
+
 def described(program: Path) -> dict[str, Any]:
     """What a component's describe program prints, as JSON."""
     result = subprocess.run([program], capture_output=True, text=True, encoding="utf-8", check=False)
+    if result.returncode == REFUSED:
+        raise Misdeclared(result.stderr)
     if result.returncode != 0:
         raise AdcsError(f"{program.name} ended with exit code {result.returncode}: {result.stderr.strip()}")
     try:

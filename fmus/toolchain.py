@@ -6,7 +6,7 @@ import platform
 import re
 import subprocess
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
 from functools import cache
@@ -114,6 +114,20 @@ class Step:
         """Where is kept what the output was made of."""
         return _beside(self.output, ".json")
 
+    @property
+    def log(self) -> Path:
+        """Where is kept what the compiler said when it refused."""
+        return _beside(self.output, ".log")
+
+
+class NotCompiled(AdcsError):
+    """What the compiler or linker has refused, with all that it says."""
+
+    def __init__(self, step: Step, output: str) -> None:
+        super().__init__(f"making {step.output.name} failed:\n{output}")
+        self.step = step
+        self.output = output
+
 
 def compile_step(source: Path, output: Path, target: Target, *flags: str, header: Step | None = None) -> Step:
     """Compiles one C++ file to an object file, starting from a precompiled header if there is one."""
@@ -167,7 +181,10 @@ def is_up_to_date(step: Step) -> bool:
 
 
 def included_files(step: Step) -> list[Path]:
-    """The files that went into an up-to-date step, those of the compiler itself excepted."""
+    """The files that went into an up-to-date step, those of the compiler itself excepted.
+
+    With them are those that it would include if they were there.
+    """
     record = _Record.read(step.record)
     if not record.command:
         raise AdcsError(f"{step.output.name}: a source file changed while it was being compiled: build again")
@@ -213,12 +230,14 @@ def _run(step: Step) -> None:
         step.output.with_suffix(stray).unlink(missing_ok=True)
     if result.returncode != 0:
         step.output.unlink(missing_ok=True)
-        raise AdcsError(f"making {step.output.name} failed:\n{result.stderr.strip()}")
+        write_atomically(step.log, result.stderr.encode())
+        raise NotCompiled(step, result.stderr.strip())
     inputs = _dependencies(step.depfile) if step.includes else step.inputs
     if any(path.stat().st_mtime_ns > started for path in inputs):  # edited meanwhile: who knows what was read
         step.record.unlink(missing_ok=True)
         return
-    record = _Record(_signature(step), {str(path): digest(path) for path in inputs})
+    made_of = [*inputs, *(_awaited(inputs, step.command) if step.includes else ())]
+    record = _Record(_signature(step), {str(path): digest(path) for path in made_of})
     write_atomically(step.record, json.dumps(asdict(record), indent=1).encode())
 
 
@@ -229,13 +248,27 @@ def _dependencies(depfile: Path) -> list[Path]:
     return sorted(path for path in paths if not path.is_relative_to(zig().parent))  # those stand and fall with zig
 
 
+_ASKED_FOR = re.compile(r'__has_include\s*\(\s*["<]([^">]+)[">]')
+
+
+def _awaited(inputs: Iterable[Path], command: Sequence[str]) -> Iterator[Path]:
+    """Yield what headers ask for by `__has_include` and what is not there: what is made changes with it."""
+    folders = [Path(word.removeprefix("-I")) for word in command if word.startswith("-I")]
+    for path in inputs:
+        if path.is_relative_to(EIGEN):
+            continue
+        for name in _ASKED_FOR.findall(path.read_text(encoding="utf-8", errors="replace")):
+            places = (Path(os.path.normpath(folder / name)) for folder in (path.parent, *folders))
+            yield from (place for place in places if not place.exists())
+
+
 def _signature(step: Step) -> str:
     return " ".join((f"zig {metadata.version('ziglang')}", *step.command))
 
 
 @dataclass(frozen=True)
 class _Record:
-    """What an output was made of: the command, and the digest of each file."""
+    """What an output was made of: the command, and the digest of each file, empty for one that is not there."""
 
     command: str = ""
     inputs: dict[str, str] = field(default_factory=dict)

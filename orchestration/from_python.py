@@ -8,13 +8,14 @@ from collections.abc import Callable
 from functools import partial
 from hashlib import sha256
 from importlib.util import module_from_spec, spec_from_file_location
-from inspect import Parameter, isfunction, signature
+from inspect import Parameter, isasyncgenfunction, iscoroutinefunction, isfunction, signature
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from fmus.errors import AdcsError, shown
 from fmus.spelling import close
+from orchestration.fmu.beside import looked_for_in
 from orchestration.system import System
 
 _OPTIONAL = (Parameter.VAR_POSITIONAL, Parameter.VAR_KEYWORD)
@@ -41,19 +42,13 @@ def system_from_python(name: str) -> System:
     before, written = set(sys.modules), sys.dont_write_bytecode
     sys.dont_write_bytecode = True  # nor of these is a compiled copy to be mistaken for the file
     try:
-        module = _loaded(path)
-        makers = _makers(module)
-        if not wanted and len(makers) == 1:
-            (wanted,) = makers
-        if not makers:
-            raise AdcsError(f"{path} has no system: write a function without arguments that returns an adcs.System")
-        if not wanted:
-            each = " or ".join(f"{path}:{name}" for name in makers)
-            raise AdcsError(f"{path} has several systems: give one, {each}")
-        if wanted not in makers:
-            hint = f"did you mean {meant}?" if (meant := close(wanted, makers)) else f"it has {', '.join(makers)}"
-            raise AdcsError(f"{path} has no system {shown(repr(wanted))}: {hint}")
-        system = _told(path, makers[wanted])
+        with looked_for_in(path.absolute().parent):
+            module = _loaded(path)
+            makers = _makers(module)
+            wanted = wanted or _meant(path, module, makers)
+            if wanted not in makers:
+                raise AdcsError(_none_of(path, wanted, vars(module), makers))
+            system = _told(path, makers[wanted])
     finally:
         sys.path.remove(folder)
         sys.dont_write_bytecode = written
@@ -61,7 +56,9 @@ def system_from_python(name: str) -> System:
             if Path(getattr(sys.modules[name], "__file__", None) or "/").is_relative_to(folder):
                 del sys.modules[name]
     if not isinstance(system, System):
-        raise AdcsError(f"{path}:{wanted} returned {shown(repr(system))}: expected an adcs.System")
+        others = [f"{path}:{name}" for name in makers if name != wanted]
+        more = f"; there is also {' or '.join(others)}" if others else ""
+        raise AdcsError(f"{path}:{wanted} returned {shown(repr(system))}: expected an adcs.System{more}")
     return system
 
 
@@ -78,32 +75,74 @@ def _loaded(path: Path) -> ModuleType:
 
 
 def _makers(module: ModuleType) -> dict[str, Callable[[], Any]]:
-    """Return what makes a system, by name: those that say so, or else whatever can be called without arguments."""
-    own = {name: value for name, value in vars(module).items() if not name.startswith("_")}
-    made: dict[str, Callable[[], Any]] = {
-        name: partial(_itself, value) for name, value in own.items() if isinstance(value, System)
-    }
-    functions = {
-        name: value
-        for name, value in own.items()
-        if isfunction(value) and value.__module__ == module.__name__ and _without_arguments(value)
-    }
-    saying = {name: value for name, value in functions.items() if _returns_a_system(value)}
-    return {**made, **(saying or ({} if made else functions))}
+    """Return what can make a system, by name: systems, and functions without arguments that say nothing else."""
+    makers: dict[str, Callable[[], Any]] = {}
+    for name, value in vars(module).items():
+        if name.startswith("_"):
+            continue
+        if isinstance(value, System):
+            makers[name] = partial(_itself, value)
+        elif _is_own(value, module) and not _why_not(value) and _says(value) is not False:
+            makers[name] = value
+    return makers
+
+
+def _meant(path: Path, module: ModuleType, makers: dict[str, Callable[[], Any]]) -> str:
+    """Return the name of the one that is meant without one: helpers say less than what is or returns a `System`."""
+    clear = [n for n, made in makers.items() if isinstance(made, partial) or _says(made)]
+    names = clear or list(makers)
+    if len(names) == 1:
+        return names[0]
+    if names:
+        each = " or ".join(f"{path}:{name}" for name in names)
+        way = "" if clear else ", or write -> System behind those that return one"
+        raise AdcsError(f"{path} has several systems: give one, {each}{way}")
+    for name, value in vars(module).items():
+        if _is_own(value, module) and _says(value) and (why := _why_not(value)):
+            raise AdcsError(f"{path}:{name} {why}")
+    raise AdcsError(f"{path} has no system: write a function without arguments that returns an adcs.System")
+
+
+def _none_of(path: Path, wanted: str, inside: dict[str, Any], makers: dict[str, Callable[[], Any]]) -> str:
+    """Say why what is asked for by name is no system."""
+    if isfunction(inside.get(wanted)) and (why := _why_not(inside[wanted])):
+        return f"{path}:{wanted} {why}"
+    if meant := close(wanted, makers):
+        hint = f"did you mean {meant}?"
+    else:
+        hint = f"it has {', '.join(makers)}" if makers else "it has none"
+    return f"{path} has no system {shown(repr(wanted))}: {hint}"
+
+
+def _is_own(value: Any, module: ModuleType) -> bool:
+    return isfunction(value) and value.__module__ == module.__name__ and value.__name__ != "<lambda>"
+
+
+def _why_not(function: Callable[..., Any]) -> str:
+    """Say why a function cannot be one that makes a system, in words that follow its name; empty if it can."""
+    if iscoroutinefunction(function) or isasyncgenfunction(function):
+        return "is async, and nobody awaits it: write def, without async"
+    parameters = signature(function).parameters.values()
+    needed = [p.name for p in parameters if p.default is Parameter.empty and p.kind not in _OPTIONAL]
+    if needed:
+        return f"needs {' and '.join(needed)}: write a function without arguments that returns an adcs.System"
+    return ""
+
+
+def _says(function: Callable[..., Any]) -> bool | None:
+    """Whether a function says that it returns a system; None if it says nothing."""
+    said = function.__annotations__.get("return", Parameter.empty)
+    if said is Parameter.empty or said is Any or said == "Any":
+        return None
+    if isinstance(said, str):
+        said = function.__globals__.get(said, said)  # as they are after `from __future__`
+    if isinstance(said, str):
+        return said.rpartition(".")[2] == System.__name__
+    return isinstance(said, type) and issubclass(said, System)
 
 
 def _itself(system: System) -> System:
     return system
-
-
-def _without_arguments(function: Callable[..., Any]) -> bool:
-    parameters = signature(function).parameters.values()
-    return all(p.default is not Parameter.empty or p.kind in _OPTIONAL for p in parameters)
-
-
-def _returns_a_system(function: Callable[..., Any]) -> bool:
-    said = function.__annotations__.get("return")
-    return said is System or (isinstance(said, str) and said.rpartition(".")[2] == System.__name__)
 
 
 def _told(path: Path, work: Callable[[], Any]) -> Any:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fmus.catalog import find
+from fmus.demand import ready_made
 from orchestration.system import NUMERIC, System
 
 
@@ -18,7 +19,8 @@ def single(fmu: str | Path, start: Mapping[str, Any] | None = None) -> System:
     Inputs that have no start value, here or in the FMU, are zero. `start` may name variables without the component.
     """
     path = Path(fmu)
-    name = path.name.partition(".")[0] if path.suffix == ".fmu" else find(str(fmu)).name
+    ready = path if path.suffix == ".fmu" else ready_made(str(fmu))
+    name = find(str(fmu)).name if ready is None else ready.name.partition(".")[0]
     system = System(name)
     system.add(name, fmu)
     component = system.components[name]

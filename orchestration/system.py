@@ -17,7 +17,8 @@ from fmus.catalog import is_header
 from fmus.errors import AdcsError, shown
 from fmus.spelling import hint
 from orchestration import expected, overview
-from orchestration.fmu.file import FmiVersion, Fmu, Port, locate, open_fmu
+from orchestration.fmu.beside import beside
+from orchestration.fmu.file import FmiVersion, Fmu, Port, is_path, locate, open_fmu
 from orchestration.fmu.nodes import Place
 from orchestration.fmu.number_types import BEYOND, first_beyond, first_misfit
 from orchestration.fmu.seeds import default_seed, seeds_of
@@ -192,7 +193,8 @@ class System:
     def add(self, name: str, fmu: str | Path, start: Mapping[str, Value] | None = None, every: int = 1) -> None:
         """Add a component.
 
-        `fmu` is a name in `fmus/dist` or the path of any `.fmu`. `start` maps variables (parameters, inputs, states and
+        `fmu` is the name of a component, or the path of a header or of any `.fmu`, which the code of a mission file has
+        relative to that file or to the present folder. `start` maps variables (parameters, inputs, states and
         outputs with a start value) to values of the variable's shape, in the variable's unit. The component
         communicates at every `every`-th exchange step. `/` in a name separates the names of nested systems.
 
@@ -209,7 +211,9 @@ class System:
         if name in self.components:
             raise AdcsError(f"system {self.name!r} already has a component {name!r}: give another name")
         every = expected.count(f"component {name!r}: every", every, "a whole number of exchange steps")
-        if is_header(fmu):  # which is meant from here, wherever it is asked for later
+        if is_path(fmu) and (found := beside(fmu)) is not None:
+            fmu = str(found)
+        elif is_header(fmu):  # which is meant from here, wherever it is asked for later
             fmu = str(Path(fmu).absolute())
         # Both files of a component built here say the same: the wiring is checked on whichever exists.
         component = Component(name, fmu, open_fmu(_any_version(fmu)), {}, every)

@@ -17,6 +17,7 @@ from adcs.cli.command import at_work, command
 from adcs.cli.printing import ERR, OUT, Json, print_json
 from fmus.build import describe
 from fmus.catalog import Component
+from fmus.demand import ready_made
 from fmus.describe import Variable
 from orchestration.fmu.file import Fmu, Port, open_fmu
 from orchestration.ssp.names import is_ssp
@@ -35,7 +36,7 @@ def info(
     as_json: Json = False,
 ) -> None:
     """Show the variables of a component or FMU with units and start values, or the components of a system."""
-    path = Path(name)
+    path = ready_made(name) or Path(name)
     if path.suffix == ".fmu":
         facts = _fmu(open_fmu(path))
     elif is_ssp(name):

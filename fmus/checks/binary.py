@@ -52,17 +52,16 @@ _ALL = frozenset({"ModelExchange", "CoSimulation", "ScheduledExecution"})
 
 def check_binary(name: str, content: bytes, fmi_version: str, interfaces: Collection[str] = _ALL) -> Iterator[str]:
     """`name` is the path in the FMU, `fmi_version` and `interfaces` those whose functions must be there."""
-    lief.logging.disable()
     folder = PurePosixPath(name).parts[1]
-    parsed = (lief.MachO.parse(content) if name.endswith(".dylib") else None) or lief.parse(content)
-    if not isinstance(parsed, _Library | lief.MachO.FatBinary):
+    parsed = _parsed(content)
+    if parsed is None:
         yield f"{name} is no shared library"
         return
     expected_format = _format_of(folder)
     if expected_format not in (None, _format(parsed)):
         yield f"{name} is a library of the format {_format(parsed)}, expected {expected_format}"
         return
-    slices = list(parsed) if isinstance(parsed, lief.MachO.FatBinary) else [parsed]
+    slices = _slices(parsed)
     architectures = {_architecture(part) for part in slices}
     expected = _ARCHITECTURES.get(folder, architectures)
     if not architectures & expected:
@@ -80,6 +79,28 @@ def check_binary(name: str, content: bytes, fmi_version: str, interfaces: Collec
                 yield Note(f"{name} needs {library}, which may not be installed")
         if isinstance(part, lief.ELF.Binary):
             yield from _check_glibc(name, part)
+
+
+def imported(content: bytes) -> set[str]:
+    """Return the functions that a library takes from others, as C code calls them; none if it cannot be read."""
+    parsed = _parsed(content)
+    slices = [] if parsed is None else _slices(parsed)
+    return {
+        str(function.name).removeprefix("_" if isinstance(part, lief.MachO.Binary) else "")
+        for part in slices
+        for function in part.imported_functions
+    }
+
+
+def _parsed(content: bytes) -> _Library | lief.MachO.FatBinary | None:
+    lief.logging.disable()
+    universal = content.startswith(b"\xca\xfe\xba\xbe")  # of which `lief.parse` returns one library only
+    parsed = (lief.MachO.parse(content) if universal else None) or lief.parse(content)
+    return parsed if isinstance(parsed, _Library | lief.MachO.FatBinary) else None
+
+
+def _slices(parsed: _Library | lief.MachO.FatBinary) -> list[_Library]:
+    return list(parsed) if isinstance(parsed, lief.MachO.FatBinary) else [parsed]
 
 
 def _format_of(folder: str) -> str | None:

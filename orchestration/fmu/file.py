@@ -19,7 +19,7 @@ from fmpy.model_description import ModelDescription, ModelVariable, ValidationEr
 
 from fmus.archive import LARGEST_XML, Archive
 from fmus.catalog import find, is_header
-from fmus.demand import fmu_path
+from fmus.demand import fmu_path, ready_made
 from fmus.errors import AdcsError, Unsupported, shown
 from fmus.readable import read_model
 from fmus.references import unresolved
@@ -269,6 +269,9 @@ def locate(name: str | Path, version: FmiVersion = "2.0") -> Path:
     """Find the file of an FMU: a path that ends in `.fmu`, or that of a component, which is built if need be."""
     if Path(name).suffix == ".fmu":
         return Path(name)
+    ready = ready_made(str(name), version)
+    if ready is not None:
+        return ready
     try:
         find(str(name))
     except AdcsError as error:

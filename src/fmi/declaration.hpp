@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 #include "attitude/quaternion.hpp"
 #include "fmi/units.hpp"
@@ -124,7 +125,8 @@ public:
         const int index = table_.count;
         Refine refine = output(name, x, unit, description);
         table_.variables[index].role = Role::state;
-        add(name, derivative, *unit.per_second, description, Causality::local, Variability::continuous);
+        const Unit& per_second = unit.per_second != nullptr ? *unit.per_second : unit;  // which describe.cpp refuses
+        add(name, derivative, per_second, description, Causality::local, Variability::continuous);
         Variable& rate = table_.variables[table_.count - 1];
         rate.role = Role::derivative;
         rate.derivative_of = index;
@@ -151,6 +153,24 @@ private:
     Refine add(const char* name, Eigen::Matrix<T, N, M, Eigen::RowMajor>& x, const Unit& unit, const char* description,
                Causality c, Variability v) {
         return Refine(append({name, description, &unit, x.data(), 0, N, M, N * M, Type::float64, c, v}));
+    }
+    /// Of what can be no variable; an exact match above goes before it.
+    template <class X>
+    Refine add(const char* name, X&, const Unit& unit, const char* description, Causality c, Variability v) {
+        static_assert(!std::is_const_v<X>, "declare() is const, so its variables are, too (leave `const` out)");
+        if constexpr (std::is_base_of_v<Eigen::EigenBase<X>, X>) {
+            static_assert(std::is_same_v<typename Eigen::internal::traits<X>::Scalar, T>,
+                          "a vector or matrix of another type than T carries no derivatives (write Vec3<T>, Quat<T>, "
+                          "Mat3<T> or Eigen::Matrix<T, ...>)");
+            static_assert(!std::is_same_v<typename Eigen::internal::traits<X>::Scalar, T>,
+                          "a matrix has a fixed size, in rows as FMI has them (write Mat3<T> or Eigen::Matrix<T, 2, 4, "
+                          "Eigen::RowMajor>)");
+        } else if constexpr (!std::is_const_v<X>) {
+            static_assert(!std::is_same_v<X, X>,
+                          "a variable of another type than T, such as double, carries no derivatives (write T, "
+                          "Vec3<T>, Quat<T> or Mat3<T>; std::int32_t without a unit for a parameter that counts)");
+        }
+        return Refine(append({name, description, &unit, nullptr, 0, 0, 0, 0, Type::float64, c, v}));
     }
     Variable& append(Variable v) {
         if (table_.count == Table::capacity || table_.next_vr + v.size > Table::scalar_capacity) {

@@ -191,6 +191,103 @@ bool introduces_unit(const Table& table, const Variable& v) {
     return true;
 }
 
+/// The exit code for a mistake in the header: what is printed is a text by which its line is found, a tab, and words.
+constexpr int declares_wrong = 2;
+
+bool refuse(const Variable& v, const char* before, const char* after) {
+    std::fprintf(stderr, "\"%s\"\t%s%s%s\n", v.name, before, v.name, after);
+    return false;
+}
+
+bool refuse(const char* found_by, const char* words) {
+    std::fprintf(stderr, "%s\t%s\n", found_by, words);
+    return false;
+}
+
+bool is_name(const char* name) {
+    const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+    if (!is_letter(*name)) return false;
+    for (; *name != '\0'; ++name) {
+        if (!is_letter(*name) && !is_digit(*name)) return false;
+    }
+    return true;
+}
+
+bool are_names_right(const Table& table) {
+    for (const Variable& v : table) {
+        if (v.role == Role::derivative) continue;  // goes by the state's name
+        if (!is_name(v.name)) return refuse(v, "'", "' is no name of a variable (letters, digits and underscores)");
+        for (const Variable* earlier = table.begin(); earlier != &v; ++earlier) {
+            if (earlier->role != Role::derivative && std::strcmp(v.name, earlier->name) == 0)
+                return refuse(v, "variable ", " is declared twice (give one of them another name)");
+        }
+    }
+    return true;
+}
+
+/// Whether each kind of variable has the function that sets it.
+bool are_functions_there(const Table& table, const Description& has) {
+    bool outputs = false, states = false;
+    for (const Variable& v : table) {
+        outputs = outputs || (v.causality == Causality::output && v.role == Role::plain);
+        states = states || v.role == Role::state;
+        if (v.causality == Causality::output && v.role == Role::plain && !has.has_outputs)
+            return refuse(v, "nothing sets the output ", " (write void outputs())");
+        if (v.role == Role::held && !has.sampled)
+            return refuse(v, "nothing sets ", ", which is held (write void sample(std::int64_t k) and sample_times())");
+        if (v.role != Role::state) continue;
+        if (!has.has_derivatives && !has.has_outputs)
+            return refuse(v, "nothing sets the derivative of ", " (write void derivatives())");
+        if (v.unit->per_second == nullptr)
+            return refuse(v, "the unit of the state ", " has none for its derivative (a Unit of your own names one)");
+    }
+    if (!outputs && !states) return refuse("declare(", "it declares no output (v.output(...) in declare())");
+    if (!states && has.has_derivatives)
+        return refuse("derivatives()", "derivatives() has no state to be of (v.state(...) in declare())");
+    return true;
+}
+
+/// What no law computes: not a number, of bits of its own that arithmetic keeps but for the sign.
+constexpr std::uint64_t unset_bits = 0x7ff8'5e70'0000'0000;
+
+void unset(const Variable& v) {
+    for (std::uint32_t e = 0; e < v.size; ++e)
+        std::memcpy(static_cast<double*>(v.data) + e, &unset_bits, sizeof(double));
+}
+
+bool is_set(const Variable& v) {
+    for (std::uint32_t e = 0; e < v.size; ++e) {
+        if (math::bits_of(static_cast<const double*>(v.data)[e]) << 1 == unset_bits << 1) return false;
+    }
+    return true;
+}
+
+/// Whether outputs() and derivatives() set all that is theirs, of what they may read: where a value stays that nothing
+/// computes, or comes of it, what a run gives depends on what was called before.
+bool is_all_set(Model& model, bool sampled) {
+    const auto is_output = [](const Variable& v) { return v.role == Role::plain && v.causality == Causality::output; };
+    if (sampled) model.sample(0);
+    for (const Variable& v : model.table()) {
+        if (is_output(v) || v.role == Role::derivative) unset(v);
+    }
+    model.outputs();
+    for (const Variable& v : model.table()) {
+        if (is_output(v) && !is_set(v))
+            return refuse(v, "outputs() does not set ", ", or reads it before it does (set all of it, each time)");
+    }
+    model.derivatives();
+    for (const Variable& v : model.table()) {
+        if (v.role == Role::derivative && !is_set(v))
+            return refuse(v, "the derivative of ", " is not set, or read before it is (set all of it, each time)");
+    }
+    return true;
+}
+
+bool is_right(Model& model, const Description& has) {
+    return are_names_right(model.table()) && are_functions_there(model.table(), has) && is_all_set(model, has.sampled);
+}
+
 }  // namespace
 
 int main() {
@@ -198,18 +295,13 @@ int main() {
     model->reset();
     const Table& table = model->table();
     if (table.overflow) {
-        std::fprintf(stderr, "%s: too many variables\n", model->name());
-        return 1;
-    }
-    for (const Variable& v : table) {
-        for (const Variable* other = &v + 1; other != table.end(); ++other) {
-            if (v.role == Role::derivative || other->role == Role::derivative) continue;  // goes by the state's name
-            if (std::strcmp(v.name, other->name) != 0) continue;
-            std::fprintf(stderr, "%s: variable %s is declared twice\n", model->name(), v.name);
-            return 1;
-        }
+        std::fprintf(stderr, "declare(\ttoo many variables: at most %d with %u elements are possible\n",
+                     Table::capacity, Table::scalar_capacity);
+        return declares_wrong;
     }
     const Description description = describe_model();
+    if (!is_right(*model, description)) return declares_wrong;
+    model->reset();
     Dependencies at_start = description.dependencies;
     for (std::size_t i = 0; i < at_start.size(); ++i) at_start[i] = at_start[i] + description.at_start[i];
     char token[40]{};

@@ -17,6 +17,8 @@
                 COMPONENT<double>::reference,                       \
                 adcs::detail::is_differentiable<COMPONENT<double>>, \
                 adcs::detail::has_sample<COMPONENT<double>>,        \
+                adcs::detail::has_outputs<COMPONENT<double>>,       \
+                adcs::detail::has_derivatives<COMPONENT<double>>,   \
                 traced.dependencies,                                \
                 traced.at_start};                                   \
     }

@@ -7,6 +7,7 @@
 #include "fmi/compiler.hpp"
 #include "fmi/declaration.hpp"
 #include "fmi/lifted.hpp"
+#include "fmi/shape.hpp"
 
 namespace adcs {
 
@@ -52,31 +53,6 @@ protected:
 Model* make_model();
 
 namespace detail {
-
-template <class C, class = void>
-constexpr bool has_outputs = false;
-template <class C>
-constexpr bool has_outputs<C, std::void_t<decltype(std::declval<C&>().outputs())>> = true;
-template <class C, class = void>
-constexpr bool has_derivatives = false;
-template <class C>
-constexpr bool has_derivatives<C, std::void_t<decltype(std::declval<C&>().derivatives())>> = true;
-template <class C, class = void>
-constexpr bool has_sample = false;
-template <class C>
-constexpr bool has_sample<C, std::void_t<decltype(std::declval<C&>().sample(0))>> = true;
-template <class C, class = void>
-constexpr bool has_validate = false;
-template <class C>
-constexpr bool has_validate<C, std::void_t<decltype(std::declval<C&>().validate())>> = true;
-template <class C, class = void>
-constexpr bool has_stream = false;
-template <class C>
-constexpr bool has_stream<C, std::void_t<decltype(C::stream)>> = true;
-template <class C, class = void>
-constexpr bool is_differentiable = true;
-template <class C>
-constexpr bool is_differentiable<C, std::void_t<decltype(C::differentiable)>> = C::differentiable;
 
 /// Visitors of declare() that pass over everything but what they are for. The compiler sees through them: what remains
 /// of an integrator step is what one would write by hand for this component.
@@ -267,7 +243,9 @@ private:
 template <template <class> class C, bool differentiable = detail::is_differentiable<C<double>>>
 class ModelOf final : public Model {
 public:
-    explicit ModelOf(const char* name) : name_(name), bound_(table_) {}
+    explicit ModelOf(const char* name) : name_(name), bound_(table_) {
+        static_assert(detail::is_well_formed<C<double>>());
+    }
 
     const char* name() const override { return name_; }
     void reset() override { bound_.reset(); }

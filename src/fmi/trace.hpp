@@ -26,6 +26,7 @@ struct Description {
     const char* reference;
     bool differentiable;
     bool sampled;
+    bool has_outputs, has_derivatives;  ///< functions
     Dependencies dependencies;
     Dependencies at_start;  ///< what is more at initialization: the first sample is that of the start time
 };

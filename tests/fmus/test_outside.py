@@ -47,7 +47,7 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("own project")  # a blank in its name
     ran = command(folder, "new", "controller", "rate_law")
     assert ran.returncode == 0, ran.stderr
-    (folder / "loop.py").write_text(LOOP.replace("HEADER", str(folder / "rate_law.hpp")))
+    (folder / "loop.py").write_text(LOOP.replace("HEADER", "rate_law.hpp"))
     return folder
 
 
@@ -107,6 +107,28 @@ def test_a_header_includes_what_is_beside_it_and_its_fmu_has_that_in_its_sources
 
     with ZipFile(project / "OtherLaw.fmu") as fmu:
         assert {"sources/other_law.hpp", "sources/gain.hpp", "sources/fmi/declaration.hpp"} <= set(fmu.namelist())
+
+
+def test_what_a_header_asks_for_may_appear_and_go(project: Path, tmp_path: Path) -> None:
+    header, gain = tmp_path / "asking_law.hpp", tmp_path / "gain.hpp"
+    header.write_text(
+        (project / "rate_law.hpp")
+        .read_text()
+        .replace("RateLaw", "AskingLaw")
+        .replace("#pragma once", '#pragma once\n#if __has_include("gain.hpp")\n#include "gain.hpp"\n#endif')
+        .replace("-k * omega_BN_B;", "-k * omega_BN_B;\n#ifdef GAIN\n        torque_B *= GAIN;\n#endif\n   ")
+    )
+    system = adcs.System("alone")
+    system.add("law", header, {"omega_BN_B": [1.0, 0.0, 0.0]})
+
+    def torque() -> float:
+        return float(adcs.run(system, stop_time=1, step=1)["law.torque_B"][0, 0])
+
+    assert torque() == -1.0
+    gain.write_text("#pragma once\n#define GAIN 4.0\n")
+    assert torque() == -4.0
+    gain.unlink()
+    assert torque() == -1.0
 
 
 def test_two_of_one_name_in_two_folders_are_two(project: Path, tmp_path: Path) -> None:
@@ -262,3 +284,101 @@ def test_systems_of_other_packages_are_found_by_name(package: Path) -> None:
     )
     assert alone["system"] == "RigidBody"  # names of here come first
     assert about["their-broken"].startswith("the system their-broken of the package their-missions cannot be loaded")
+
+
+@pytest.fixture(scope="module")
+def laws(project: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An installed package with two headers, FMUs of one of them, and an FMU alone."""
+    folder = tmp_path_factory.mktemp("site")
+    package = folder / "their_laws"
+    (package / "more").mkdir(parents=True)
+    text = (project / "rate_law.hpp").read_text()
+    (package / "__init__.py").write_text(
+        "from pathlib import Path\n\nHEADERS = 'more/other_law.hpp'\n\n\n"
+        "def several():\n    return [Path(__file__).parent / 'more' / 'rigid_body.hpp', 'more/alone.fmu']\n"
+    )
+    (package / "their_law.hpp").write_text(text.replace("RateLaw", "TheirLaw"))
+    (package / "shared.hpp").write_text("#pragma once\n")
+    (package / "more" / "other_law.hpp").write_text(text.replace("RateLaw", "OtherLaw").replace("-k *", "-2 * k *"))
+    (package / "more" / "rigid_body.hpp").write_text(text.replace("RateLaw", "RigidBody"))
+    built = adcs.build([str(package / "their_law.hpp"), str(package / "more" / "other_law.hpp")])
+    shutil.copy(built[2], package / "more" / "alone.fmu")
+    for path in built[2:]:
+        path.unlink()
+    shutil.rmtree(package / ".made")  # as in what is installed
+    shutil.rmtree(package / "more" / ".made")
+    about = folder / "their_laws-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: their-laws\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text(
+        "[adcs.components]\nall = their_laws\none = their_laws:HEADERS\nmore = their_laws:several\n"
+        "broken = their_laws.absent\n\n[adcs.systems]\nobserver-pd = their_laws:several\n"
+    )
+    return folder
+
+
+def test_components_of_other_packages_are_found_by_name(laws: Path) -> None:
+    ran = command(laws, "list", "--json", path=str(laws))
+    listed = {c["name"]: c for c in json.loads(ran.stdout)["components"]}
+    assert [*listed][-3:] == ["TheirLaw", "OtherLaw", "alone"]
+    assert listed["TheirLaw"]["kind"] == "controller" and [*listed["TheirLaw"]["fmus"]] == ["2.0", "3.0"]
+    assert [*listed["alone"]["fmus"]] == ["2.0"]
+    told = " ".join(ran.stderr.split())
+    where = laws / "their_laws" / "more" / "rigid_body.hpp"
+    assert f"RigidBody is a component of this project; that of the package their-laws, {where}, goes by its" in told
+    assert "the components broken of the package their-laws cannot be found: there is no module their_laws.ab" in told
+    assert "observer-pd is a system of this project; that of the package their-laws, their_laws:several, is not" in told
+    info = command(laws, "info", "alone", path=str(laws))
+    assert info.stdout.startswith("OtherLaw: Torque against the angular velocity") and "RigidBody" not in info.stderr
+    clash = command(laws, "info", "RigidBody", path=str(laws))
+    assert clash.stdout.startswith("RigidBody (plant)")
+    slip = command(laws, "run", "ThierLaw", path=str(laws)).stderr
+    assert "did you mean TheirLaw" in slip
+
+
+LAWS_IN_A_SYSTEM = """
+import sys
+import adcs
+from fmus import toolchain
+
+torques = []
+for name in sys.argv[1:]:
+    system = adcs.System("alone")
+    system.add("law", name, {"omega_BN_B": [1.0, 0.0, 0.0]})
+    torques.append(adcs.run(system, stop_time=1, step=1)["law.torque_B"][0, 0])
+print(*torques, adcs.check("alone"))
+"""
+
+
+def in_a_system(laws: Path, *names: str, compiler: bool = True) -> subprocess.CompletedProcess[str]:
+    script = LAWS_IN_A_SYSTEM
+    if not compiler:
+        script = script.replace("torques = []", "torques = []\ntoolchain.is_installed = lambda: False", 1)
+    return subprocess.run(
+        [sys.executable, "-c", script, *names],
+        cwd=laws,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), str(laws)])},
+        capture_output=True,
+        text=True,
+    )
+
+
+def test_what_a_package_brings_as_an_fmu_needs_no_compiler_and_a_header_is_built(laws: Path) -> None:
+    without = in_a_system(laws, "TheirLaw", "alone", compiler=False)
+    assert without.stdout == "-1.0 -2.0 []\n", without.stderr
+    refused = in_a_system(laws, "OtherLaw", compiler=False)
+    assert "OtherLaw.fmu is not built, and no compiler is installed to build it" in refused.stderr
+    assert not (laws / "their_laws" / ".made").exists()
+    assert in_a_system(laws, "OtherLaw").stdout == "-2.0 []\n"
+
+
+def test_an_fmu_that_came_with_another_header_is_not_taken(laws: Path) -> None:
+    header = laws / "their_laws" / "their_law.hpp"
+    text = header.read_text()
+    header.write_text(text.replace("-k *", "-3 * k *"))
+    try:
+        refused = in_a_system(laws, "TheirLaw", compiler=False)
+        assert "TheirLaw.fmu is not as it was built, and no compiler is installed" in refused.stderr
+        assert in_a_system(laws, "TheirLaw").stdout == "-3.0 []\n"
+    finally:
+        header.write_text(text)

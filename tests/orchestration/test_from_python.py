@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 
 import adcs
 from adcs.catalogue import find_system
+from fmus import fmu_path
 
 LOOP = """
 from adcs import System
@@ -106,6 +108,25 @@ def test_a_system_by_itself_and_functions_that_say_nothing(file):
             "mission.py:4: ",
         ),
         ("", "misson.py", "misson.py is no file"),
+        (
+            "async def f(): pass\n",
+            "mission.py:f",
+            "mission.py:f is async, and nobody awaits it: write def, without async",
+        ),
+        (
+            "import adcs\nasync def f() -> adcs.System: pass\n",
+            "mission.py",
+            "mission.py:f is async, and nobody awaits it: write def, without async",
+        ),
+        ("async def f(): pass\n", "mission.py", "mission.py has no system: write a function without arguments"),
+        ("def f(n, m=1): pass\n", "mission.py:f", "mission.py:f needs n: write a function without arguments that"),
+        ("def f(): pass\ndef g(): pass\n", "mission.py", ", or write -> System behind those that return one"),
+        (
+            "def f(): pass\ndef g(): pass\n",
+            "mission.py:g",
+            f"mission.py:g returned None: {NOT}; there is also mission.py:f",
+        ),
+        ("def f() -> int: return 1\nh = lambda: 1\n", "mission.py", "mission.py has no system: write a function"),
     ],
 )
 def test_what_is_wrong_is_one_line(file, text, name, said):
@@ -113,6 +134,53 @@ def test_what_is_wrong_is_one_line(file, text, name, said):
     with pytest.raises(adcs.AdcsError) as error:
         adcs.run(name)
     assert said in str(error.value) and "\n" not in str(error.value)
+
+
+HELPED = """
+import adcs
+
+def gain(): return 2.0
+def rate() -> float: return gain()
+def scaled(x): return x
+def _made(): return adcs.System("other")
+"""
+
+
+@pytest.mark.parametrize("kind", ["->", "'->'", "one"])
+def test_helpers_are_no_systems(file, kind):
+    made = "    return adcs.System('mission', stop_time=1, step=1)\n"
+    says = {"->": " -> adcs.System", "'->'": " -> 'adcs.System'", "one": ""}[kind]
+    helped = HELPED.replace("def gain()", "def _gain()") if kind == "one" else HELPED
+    with pytest.raises(adcs.AdcsError, match=r"^system 'mission' has no component"):
+        adcs.run(file(f"{helped}def mission(){says}:\n{made}"))
+
+
+def test_one_that_says_nothing_is_found_by_its_name_beside_one_that_does(file):
+    made = "adcs.System('{}', stop_time=1, step=1)\n"
+    text = f"import adcs\ndef a() -> adcs.System: return {made.format('a')}def b(): return {made.format('b')}"
+    for name, meant in (("mission.py", "a"), ("mission.py:b", "b")):
+        file(text)
+        with pytest.raises(adcs.AdcsError, match=f"^system '{meant}' has no component"):
+            adcs.run(name)
+
+
+def test_relative_paths_are_of_the_folder_of_the_file_first(tmp_path, monkeypatch):
+    body, wheel = (fmu_path(name) for name in ("RigidBody", "SpinningWheel"))
+    for folder, fmu in (("missions", body), ("here", wheel)):
+        (tmp_path / folder).mkdir()
+        shutil.copy(fmu, tmp_path / folder / "part.fmu")
+    shutil.copy(wheel, tmp_path / "here" / "wheel.fmu")
+    (tmp_path / "missions" / "mission.py").write_text(
+        "import adcs\n\ndef mission() -> adcs.System:\n    system = adcs.System('m', stop_time=1, step=1)\n"
+        "    system.add('a', 'part.fmu')\n    system.add('b', 'wheel.fmu')\n    return system\n"
+    )
+    monkeypatch.chdir(tmp_path / "here")
+    system = find_system("../missions/mission.py").build()
+    names = {name: component.fmu.model.modelName for name, component in system.components.items()}
+    assert names == {"a": "RigidBody", "b": "SpinningWheel"}
+    outside = adcs.System("after")
+    outside.add("a", "part.fmu")
+    assert outside.components["a"].fmu.model.modelName == "SpinningWheel"
 
 
 def test_every_command_that_takes_a_system_takes_the_file(file, tmp_path):

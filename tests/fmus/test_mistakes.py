@@ -1,0 +1,221 @@
+"""Each usual mistake in a component's header ends in one line with its place, what is wrong, and the way out."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import adcs
+from adcs.cli import app
+from fmus.build import describe
+from fmus.code import without_comments
+from tests.invoking import invoke
+
+LAW = """\
+/// # A law
+#pragma once
+
+#include "fmi/declaration.hpp"
+
+namespace adcs {
+
+template <class T>
+struct MyLaw {
+    static constexpr auto kind = "controller";
+    static constexpr auto summary = "a law";
+    static constexpr auto reference = "";
+
+    Vec3<T> omega{0.0, 0.0, 0.0}, torque{0.0, 0.0, 0.0};
+    T k = 1.0;
+
+    template <class V>
+    void declare(V& v) {
+        v.input("omega", omega, unit::rad_per_s, "rate");
+        v.parameter("k", k, unit::N_m_s, "gain").above(0);
+        v.output("torque", torque, unit::N_m, "torque");
+    }
+
+    void outputs() { torque = -k * omega; }
+};
+
+}  // namespace adcs
+"""
+BODY = "torque = -k * omega;"
+OUTPUTS = "    void outputs() { torque = -k * omega; }"
+MEMBER, DECLARED, SET = 15, 20, 24
+"""The lines of k, of its declaration, and of outputs()."""
+ELSEWHERE = "there is no {0} that"
+EXPRESSED = "(express it by abs, cos, exp, log, sin, sincos, sqrt)"
+
+
+def described(folder: Path, *changes: tuple[str, str]) -> str:
+    """Return what is said of the law with these changes, from the line on."""
+    text = LAW
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, 1)
+    header = folder / "my_law.hpp"
+    header.write_text(text)
+    with pytest.raises(adcs.AdcsError) as refused:
+        describe(str(header))
+    said, _, log = str(refused.value).partition("; the compiler's full output: ")
+    assert "\n" not in str(refused.value)
+    assert not log or "error" in Path(log).read_text()
+    assert said.startswith(f"{header}:"), said
+    return said.removeprefix(f"{header}:")
+
+
+@pytest.mark.parametrize(
+    ("line", "said", "changes"),
+    [
+        # types
+        (DECLARED, "a variable of another type than T, such as double, carries", [("T k", "double k")]),
+        (22, "a vector or matrix of another type than T carries no derivatives (write Vec3<T>", [
+            ("Vec3<T> omega{0.0, 0.0, 0.0}, torque", "Vec3<T> omega{0.0, 0.0, 0.0};\n Vec3<double> torque")]),
+        (DECLARED, "a matrix has a fixed size, in rows as FMI has them (write Mat3<T>", [
+            ("T k = 1.0", "Eigen::Matrix<T, 2, 2> k")]),
+        (SET, "a number of type T is put into double, which carries no derivatives (write T; value_of(x) is the", [
+            (BODY, "double x = k; torque = -x * omega;")]),
+        (SET, "a number of type T is no condition (compare it, as in x > 0.0)", [(BODY, "if (k) torque = omega;")]),
+        (SET, "a Vec3<double> is assigned to a single number (take one of it: x(0), x.norm() or", [
+            (BODY, "k = omega;")]),
+        (SET, "the two sides of = are of different kinds (Vec3<T>::Constant(x)", [(BODY, "torque = k;")]),
+        (SET, "vectors or matrices of sizes that do not fit are put together", [
+            (BODY, "torque = Quat<T>{1.0, 0.0, 0.0, 0.0};")]),
+        (14, "a vector has another number of elements than is given", [("omega{0.0, 0.0, 0.0}", "omega{0.0, 0.0}")]),
+        (SET, "two vectors are multiplied by * (write a.dot(b), a.cross(b) or", [(BODY, "torque = omega * omega;")]),
+        (SET, "cross() does not take these arguments", [(BODY, "torque = omega.cross(k);")]),
+        # words and signs
+        (MEMBER, "expected ';' at end of declaration list", [("T k = 1.0;", "T k = 1.0")]),
+        (SET, "expected ';' after expression", [(BODY, "torque = omega")]),
+        (SET, "expected ')'", [(BODY, "torque = -(k * omega;")]),
+        (25, "expected ';' after the struct, or a '}' inside it", [("};\n\n}", "}\n\n}")]),
+        (MEMBER, "new is a word of C++ (take another name)", [("T k", "T new")]),
+        (MEMBER, "M_PI is a macro of the C library (take another name)", [("T k", "T M_PI"), (", k, ", ", M_PI, ")]),
+        (MEMBER, "omega is there twice (take another name for one of them)", [("T k", "T omega, k")]),
+        # names
+        (SET, "there is no omgea (did you mean omega?)", [(BODY, "torque = -k * omgea;")]),
+        (DECLARED, "there is no unit::N_mm (did you mean unit::N_m or unit::N_m_s?)", [("N_m_s", "N_mm")]),
+        (DECLARED, 'v.parameter does not take these arguments (it takes "name", variable, unit::...', [
+            ("unit::N_m_s", '"N.m.s"')]),
+        (DECLARED, "a declaration has no v.param (did you mean v.parameter?)", [("v.parameter", "v.param")]),
+        (DECLARED, "a declaration has no .at_lest() (did you mean .at_least", [("above", "at_lest")]),
+        (21, "variable torque is declared twice (give one of them another name)", [('"k"', '"torque"')]),
+        (DECLARED, "'k gain' is no name of a variable (letters, digits and underscores)", [('"k"', '"k gain"')]),
+        (DECLARED, "a seed is a whole number (write std::int32_t)", [
+            ('v.parameter("k", k, unit::N_m_s, "gain").above(0)', 'v.seed("k", k, "seed")')]),
+        (4, "there is no fmi/declarations.hpp to include (did you mean fmi/declaration.hpp", [
+            ("declaration.hpp", "declarations.hpp")]),
+        (9, "MyLaw is no template of its scalar type (template <class T> struct MyLaw)", [
+            ("template <class T>\n", "using T = double;\n")]),
+        (13, "Vec3 is not known here (namespace adcs { ... } has to be around the struct)", [
+            ("namespace adcs {\n", ""), ("}  // namespace adcs\n", "")]),
+        # functions
+        (SET, f"a number of type T is handed to std::tan, which rounds differently on each platform {EXPRESSED}", [
+            (BODY, "torque = tan(k) * omega;")]),
+        (SET, "a number of type T is handed to std::sin, which rounds differently on each platform (write sin(x))", [
+            (BODY, "torque = std::sin(k) * omega;")]),
+        (21, "nothing sets the output torque (write void outputs())", [(OUTPUTS, "")]),
+        (21, "nothing sets the output torque (write void outputs())", [("void outputs", "void output")]),
+        (21, "outputs() does not set torque, or reads it before it does (set all of it, each time)", [(BODY, "")]),
+        (21, "outputs() does not set torque, or reads it before it does", [(BODY, "torque(0) = k;")]),
+        (21, "outputs() does not set torque, or reads it before it does", [(BODY, "torque += omega;")]),
+        (SET, "outputs() has to be public and without arguments", [("outputs()", "outputs(double t)")]),
+        (25, "outputs() has to be public and without arguments", [(OUTPUTS, f"private:\n{OUTPUTS}")]),
+        (SET, "outputs() returns a value that nobody takes: it sets the variables instead", [
+            ("void outputs() { torque =", "Vec3<T> outputs() { return")]),
+        (SET, "outputs() returns nothing (it sets the variables that are declared)", [(BODY, "return -k * omega;")]),
+        (SET, "a variable is set in a function that is const (leave `const` out)", [("outputs()", "outputs() const")]),
+        (19, "declare() is const, so its variables are, too (leave `const` out)", [("(V& v)", "(V& v) const")]),
+        (9, "declare() takes visitors of one type only (template <class V> void declare(V& v))", [
+            ("    template <class V>\n    void declare(V& v)", "    void declare(Declare<T>& v)")]),
+        (18, "declares no output", [('v.output("torque", torque, unit::N_m, "torque");', "")]),
+        (21, "nothing sets the derivative of torque (write void derivatives())", [
+            ('v.output("torque", torque', 'v.state("torque", torque, omega'), (OUTPUTS, "")]),
+        (21, "the unit of the state torque has none for its derivative (a Unit of your own names one)", [
+            ('v.output("torque", torque', 'v.state("torque", torque, omega')]),
+        (21, "the derivative of x is not set, or read before it is", [
+            ('v.output("torque"', 'v.state("x", x, xDot, unit::one, "x");\nv.output("torque"'),
+            ("T k = 1.0", "T x = 0.0, xDot = 0.0, k = 1.0")]),
+        (25, "derivatives() has no state to be of (v.state(...) in declare())", [
+            (OUTPUTS, f"{OUTPUTS}\n    void derivatives() {{}}")]),
+        (25, "sample() is called at times that nothing says (SampleTimes sample_times() const returns", [
+            (OUTPUTS, f"{OUTPUTS}\n    void sample(std::int64_t) {{}}")]),
+        (25, "sample() has to be public and take the number of the sample (void sample(std::int64_t k))", [
+            (OUTPUTS, f"{OUTPUTS}\n    void sample() {{}}")]),
+        (25, "sample_times() says when a function is called that is not there", [
+            (OUTPUTS, f"{OUTPUTS}\n    SampleTimes sample_times() const {{ return {{0.1, 0.0}}; }}")]),
+        (25, "validate() has to return what is wrong, or nullptr (const char* validate() const)", [
+            (OUTPUTS, f"{OUTPUTS}\n    bool validate() const {{ return true; }}")]),
+        (9, "summary is missing: what the component is, in a line", [("summary", "sumary")]),
+        (10, "auto is for what is static (write static constexpr auto, or the type)", [
+            ("static constexpr auto kind", "auto kind")]),
+        # what FMUs do without
+        (SET, "exceptions are not possible in an FMU (validate() refuses values)", [(BODY, "throw 1;")]),
+        (15, "it needs operator new(unsigned long), which FMUs do without (no std::string or", [
+            ("T k", 'std::string name = "a name that is longer than what fits inside"; T k')]),
+    ],
+)  # fmt: skip
+def test_a_mistake_is_one_line(tmp_path: Path, line: int, said: str, changes: list[tuple[str, str]]) -> None:
+    where, _, words = described(tmp_path, *changes).partition(": ")
+    assert said in words
+    assert int(where) == line, words
+
+
+def test_all_that_the_compiler_said_is_in_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "my_law.hpp").write_text(LAW.replace("T k", "double k"))
+    monkeypatch.chdir(tmp_path)
+    for arguments in (["build", "my_law.hpp"], ["run", "my_law.hpp"], ["info", "my_law.hpp"]):
+        said = str(invoke(app.app, arguments).exception)
+        assert said.startswith("my_law.hpp:20: a variable of another type than T, such as double, carries no deriv")
+        whole = Path(said.rpartition(" the compiler's full output: ")[2]).read_text()
+        assert whole.count("\n") > 20 and "my_law.hpp:20:11: note: in instantiation of" in whole
+        assert "\n" not in said
+    assert [path.name for path in tmp_path.iterdir()] == ["my_law.hpp"]
+
+
+def test_a_mistake_in_what_is_included_is_told_where_it_is(tmp_path: Path) -> None:
+    (tmp_path / "gain.hpp").write_text("#pragma once\n\nnamespace adcs { constexpr double gain = 3.0 }\n")
+    header = tmp_path / "my_law.hpp"
+    header.write_text(LAW.replace("#pragma once\n", '#pragma once\n#include "gain.hpp"\n'))
+    with pytest.raises(adcs.AdcsError, match=rf"^{re.escape(str(tmp_path))}/gain\.hpp:3: expected ';' after top level"):
+        describe(str(header))
+
+
+def test_a_header_that_includes_nothing_is_refused(tmp_path: Path) -> None:
+    """The precompiled headers would hide it here, and not where somebody compiles the sources in the FMU."""
+    header = tmp_path / "my_law.hpp"
+    header.write_text(LAW.replace('#include "fmi/declaration.hpp"\n', ""))
+    with pytest.raises(
+        adcs.AdcsError, match=r'includes nothing that a component is made of: #include "fmi/declaration'
+    ):
+        describe(str(header))
+
+
+def test_a_header_without_a_kind_is_told_once_as_what_it_is_taken(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    header = tmp_path / "my_law.hpp"
+    header.write_text(LAW.replace('    static constexpr auto kind = "controller";\n', ""))
+    for _ in range(2):
+        describe(str(header))
+    said = [record.message for record in caplog.records if "says no kind" in record.message]
+    assert said == [
+        f'{header} says no kind and is taken for a controller: static constexpr auto kind = "sensor"; is another'
+    ]
+
+
+def test_comments_are_blank_and_texts_stay() -> None:
+    code = 'a; // b\n"// c"; /* d\ne */ f'
+    assert without_comments(code) == 'a;     \n"// c";     \n     f'
+
+
+def test_functions_of_the_c_library_are_found_in_sources_and_where_they_are_not_seen_there(tmp_path: Path) -> None:
+    header = tmp_path / "my_law.hpp"
+    called = "torque = -(::sin(value_of(k)) + tan(value_of(k))) * omega;  // not std::cos"
+    header.write_text(LAW.replace(BODY + " }", f"{called}\n    }}"))
+    first = "MyLaw.fmu: "
+    assert [(f.rule, f.message) for f in adcs.check(header) if f.message.startswith(first)] == [
+        ("sources", f"{first}sources/my_law.hpp:24: ::sin, which rounds differently on each platform (write sin(x))"),
+        ("sources", f"{first}its binary calls tan, which rounds differently on each platform {EXPRESSED}"),
+    ]

@@ -268,7 +268,7 @@ class CoupledModel:
         self._propagate()
         for _ in range(_MAX_EVENT_ITERATIONS):
             before = self._at_events.signals.copy()
-            unsettled = {name for name in unsettled if self._update(self.instances[name], time)}
+            unsettled = {name for name in self.instances if name in unsettled and self._update(name, time)}
             self._propagate()
             changed = self._at_events.signals != before
             unsettled |= {call.component for call in self._sets if changed[call.where].any()}
@@ -286,8 +286,9 @@ class CoupledModel:
         self.nominals: Floats = np.concatenate(nominals)
         return np.concatenate(states)
 
-    def _update(self, instance: Instance, now: float) -> bool:
+    def _update(self, name: str, now: float) -> bool:
         """Update discrete states once; note the next time event; return whether another update is needed."""
+        instance = self.instances[name]
         method = "newDiscreteStates" if instance.major == 2 else "updateDiscreteStates"
         needed, terminate, _, _, defined, time = instance.call("updating discrete states", method)
         if terminate:

@@ -87,7 +87,21 @@ def test_options_reach_the_run(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (("observer-pd", "--solver", "CVode"), 2, "adcs: --solver CVode: an option of model-exchange, add --method"),
+        (
+            ("observer-pd", "--solver", "CVode", "--method", "co-simulation"),
+            2,
+            "adcs: --solver CVode: an option of model-exchange, leave out --method co-simulation",
+        ),
+        (
+            ("observer-pd", "--rtol", "1e-8", "--adaptive", "1e-6"),
+            2,
+            "adcs: --adaptive (co-simulation) and --rtol (model-exchange) are options of two methods: leave one out",
+        ),
+        (
+            ("observer-pd", "--rows", "3ms", "--step", "2ms"),
+            2,
+            "adcs: rows, 0.003 s, is not a whole number of exchange steps of 0.002 s: use 0.002 or 0.004 s, or another",
+        ),
         (("nothing",), 2, "adcs: no system 'nothing': `adcs list` shows all; or give an .ssp, .py or .fmu file"),
         (("observer-pd", "--step", "0"), 2, "adcs: step = 0.0 s: expected a positive time"),
         (("observer-pd", "--step", "nan"), 2, "adcs: Invalid value for --step: 'nan' is not a time, write 120s, 0.1s"),

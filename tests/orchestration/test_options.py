@@ -27,7 +27,7 @@ GROUPS = {
     "export": [Which, Times],
 }
 TIMES = {
-    "run": ["--step", "--stop", "--start", "--timeout", "--checkpoint-every"],
+    "run": ["--step", "--stop", "--start", "--timeout", "--max-step", "--checkpoint-every", "--rows"],
     "bridge": ["--step", "--stop", "--start"],
     "hil": ["--step", "--stop", "--wait", "--answer-timeout", "--warm-up"],
     "linearize": ["--at"],
@@ -114,7 +114,7 @@ def test_a_name_that_is_no_system_is_told_alike(command, tmp_path, monkeypatch):
 def test_every_time_takes_a_unit(command, option):
     units = {"250us": 2.5e-4, "5ms": 5e-3, "0.1s": 0.1, "2min": 120.0, "1h": 3600.0, "7": 7.0, "1e-3": 1e-3}
     assert {text: read(command, option, text)[named(option)] for text in units} == units
-    if (command, option) != ("run", "--timeout"):  # which is looked at when it is read
+    if option not in ("--timeout", "--max-step") or command != "run":  # which are looked at when they are read
         assert read(command, f"{option}=-2.5 s")[named(option)] == -2.5
     ended = invoke(app, [command, "what", option, "soon"])
     expected = f"Invalid value for {option}: 'soon' is not a time, write 120s, 0.1s, 5ms, 2min or 1h"

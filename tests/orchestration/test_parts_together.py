@@ -120,4 +120,4 @@ def test_parts_say_what_they_are():
     assert repr(adcs.until("time > 1")) == "<Until until = 'time > 1'>"
     assert repr(adcs.at("1s", {"a.b": 2})) == "<Changes changes = [[1.0, 'a.b', 2]]>"
     assert repr(Hook()) == "<Hook>"
-    assert repr(Save(every=2)) == "Save(names=None, every=2, to=None)"
+    assert repr(Save(every=2)) == "Save(names=None, every=2, rows=None, to=None)"

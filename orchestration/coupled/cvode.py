@@ -42,7 +42,7 @@ class CVode:
         self._floor = self.time
 
     @property
-    def begin(self) -> tuple[float, Floats, float]:
+    def origin(self) -> tuple[float, Floats, float]:
         """Never asked for: what it knows of many steps cannot be made again."""
         raise NotImplementedError
 

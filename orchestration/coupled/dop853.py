@@ -27,6 +27,7 @@ class Dop853:
                 apart=terms.apart,
                 indicators=terms.indicators,
                 taken=self._taken,
+                end=terms.end,
                 most_steps=integrators.MOST_STEPS,
             )
             for _ in range(2)
@@ -57,9 +58,9 @@ class Dop853:
         self._walk.settle()
 
     @property
-    def begin(self) -> tuple[float, Floats, float]:
-        """Time, state and length [s] with which `restart` makes the last step again."""
-        return self._walk.begin
+    def origin(self) -> tuple[float, Floats, float]:
+        """Time, state and length [s] with which `restart` makes the last steps again, and goes on as a longer run."""
+        return self._walk.origin
 
     def restart(self, t: float, x: Floats, length: float = 0.0) -> None:
         """Go on from (t, x), with what was learned before forgotten, but for the length of a step (s), if given."""

@@ -22,14 +22,16 @@ class Terms:
     """How a solution is walked along; times in s.
 
     `rtol` is relative to a state's value, `atol` to its nominal value. No step is longer than `longest`; times that
-    differ by at most `instant` are the same. `indicators` holds the event indicators at the begin of a step, if there
-    are any: then each step is looked into at `looks` times, or more, for not more than `apart` between two of them.
+    differ by at most `instant` are the same; `end` is that of the run. `indicators` holds the event indicators at the
+    begin of a step, if there are any: then each step is looked into at `looks` times, or more, for not more than
+    `apart` between two of them.
     """
 
     rtol: float
     atol: float
     longest: float
     instant: float
+    end: float
     looks: int
     apart: float
     indicators: Floats
@@ -62,8 +64,8 @@ class Integrator(Protocol):
         """Bring no component to a time before the present one any more."""
 
     @property
-    def begin(self) -> tuple[float, Floats, float]:
-        """Time, state and length [s] with which `restart` makes the last step again."""
+    def origin(self) -> tuple[float, Floats, float]:
+        """Time, state and length [s] with which `restart` makes the last steps again, and goes on as a longer run."""
 
     def restart(self, t: float, x: Floats, length: float = 0.0) -> None:
         """Go on from (t, x), with what was learned before forgotten, but for the length of a step (s), if given."""

@@ -18,20 +18,7 @@ class Dop853:
     def __init__(self, model: CoupledModel, terms: Terms) -> None:
         self._model, self._atol = model, terms.atol
         self._taken = Taken()
-        self._walk, self._spare = (
-            model.walk(
-                relative=terms.rtol,
-                longest=terms.longest,
-                instant=terms.instant,
-                looks=terms.looks,
-                apart=terms.apart,
-                indicators=terms.indicators,
-                taken=self._taken,
-                end=terms.end,
-                most_steps=integrators.MOST_STEPS,
-            )
-            for _ in range(2)
-        )
+        self._walk, self._spare = (integrators.walk_of(model, terms, self._taken) for _ in range(2))
 
     @property
     def began(self) -> float:

@@ -9,7 +9,8 @@ from typing import Any, Literal, Protocol
 import numpy as np
 
 from fmus.errors import AdcsError
-from orchestration.engine.walk import Rows
+from orchestration.coupled.model import CoupledModel
+from orchestration.engine.walk import Rows, Taken, Walk
 from orchestration.plan.lowering import Floats
 
 MOST_STEPS = 100_000  # from one row to the next
@@ -100,4 +101,19 @@ def too_many(name: str, start: float, time: float, target: float) -> AdcsError:
     return AdcsError(
         f"{name} cannot go on from t = {time:.9g} s: {MOST_STEPS} steps do not reach t = {target:.9g} s, "
         f"{needed:.2g} would be needed: choose a shorter time between rows, or loosen the tolerances"
+    )
+
+
+def walk_of(model: CoupledModel, terms: Terms, taken: Taken) -> Walk:
+    """Return a compiled walk on these terms."""
+    return model.walk(
+        relative=terms.rtol,
+        longest=terms.longest,
+        instant=terms.instant,
+        looks=terms.looks,
+        apart=terms.apart,
+        indicators=terms.indicators,
+        end=terms.end,
+        taken=taken,
+        most_steps=MOST_STEPS,
     )

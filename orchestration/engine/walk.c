@@ -351,3 +351,22 @@ EXPORT bool adcs_shorter(const Walk* from, Walk* to, double t) {
     double error;
     return engine_end(to->flow, attempt(to, t, &error) && complete(to, t));
 }
+
+/* The right-hand side as CVODE calls it: `given` is what CVodeSetUserData was given. Positive: of this state there are no
+ * derivatives, but there may be of one nearer; negative: there will be none. */
+typedef struct {
+    Walk* walk;
+    double* (*values)(void* vector); /* N_VGetArrayPointer */
+    Failure failure;                 /* the last one, and the time it was of */
+    double failed_at;
+} RightHandSide;
+
+EXPORT int adcs_right_hand_side(double t, void* x, void* derivatives, void* given) {
+    RightHandSide* f = given;
+    Plan* plan = f->walk->flow;
+    engine_begin(plan);
+    if (engine_end(plan, slope(f->walk, t, f->values(x), f->values(derivatives)))) return 0;
+    f->failure = plan->failure;
+    f->failed_at = t;
+    return of_the_state(&f->failure) ? 1 : -1;
+}

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestration.engine import Engine, library
+from orchestration.engine import Engine, Failure, library
 from orchestration.instances.instance import CallFailed
 from orchestration.plan.lowering import Floats
 from orchestration.process.where import Where
@@ -94,6 +94,21 @@ class _Walk(ctypes.Structure):
         ("asked", ctypes.c_double),
         ("taken", ctypes.POINTER(Taken)),
     )
+
+
+class RightHandSide(ctypes.Structure):
+    """The right-hand side of a walk for CVODE; its last failure stays until it is forgotten."""
+
+    _fields_ = (
+        ("walk", ctypes.c_void_p),
+        ("values", ctypes.c_void_p),
+        ("failure", Failure),
+        ("failed_at", ctypes.c_double),
+    )
+
+    def forget(self) -> None:
+        """Note no failure."""
+        self.failure.reason = 0
 
 
 class _Output(ctypes.Structure):
@@ -271,6 +286,22 @@ class Walk:
         if not self._library.adcs_shorter(self._reference, other._reference, t):
             raise other._failed(self._flow)
         return other.x
+
+    def right_hand_side(self, values: Any) -> tuple[int, RightHandSide]:
+        """Return the address of the right-hand side for CVODE, and its user data, which has to be kept.
+
+        `values` is the function that returns the elements of one of its vectors.
+        """
+        address = ctypes.cast(self._library.adcs_right_hand_side, ctypes.c_void_p).value
+        assert address is not None
+        return address, RightHandSide(ctypes.addressof(self._raw), ctypes.cast(values, ctypes.c_void_p))
+
+    def failed(self, given: RightHandSide) -> CallFailed | None:
+        """Return the last failure of the right-hand side that is noted, or raise what a callback raised."""
+        if not given.failure.reason:
+            return None
+        self._flow.raw.failure, self._raw.asked = given.failure, given.failed_at
+        return self._failed(self._flow)
 
     def _bring(self, time: float) -> int:
         try:

@@ -272,7 +272,7 @@ def library(tmp_path, code, target=None, *flags):
     run_steps([made])
     plain = link_step([made.output], output, target)
     command = tuple(
-        argument for argument in plain.command if "version-script" not in argument and "defs" not in argument
+        argument for argument in plain.command if not any(of in argument for of in ("version-script", "defs", "rtlib"))
     )
     run_steps([type(plain)(output, command, plain.inputs)])
     return output.read_bytes()

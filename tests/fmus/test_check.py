@@ -322,6 +322,13 @@ def test_a_binary_for_another_machine(built):
     ]
 
 
+@pytest.mark.parametrize("name", ["x86_64-darwin", "aarch64-darwin"])
+def test_a_library_for_one_kind_of_mac(tmp_path, name):
+    target = next(t for t in TARGETS if t.name == name)
+    content = library(tmp_path, all_functions("2.0"), target)
+    assert not [m for m in check_binary("binaries/darwin64/x.dylib", content, "2.0") if " is for " in m]
+
+
 def test_a_library_of_another_system(tmp_path):
     windows = next(t for t in TARGETS if t.suffix == ".dll")
     content = library(tmp_path, all_functions("2.0"), windows)

@@ -204,6 +204,15 @@ Status Instance::error(const char* format, ...) {
     return Status::error;
 }
 
+Status Instance::beyond(const char* format, ...) {
+    const Status status = mode_ == mode_continuous ? Status::discard : Status::error;
+    std::va_list arguments;
+    va_start(arguments, format);
+    message(status, log_categories[0].name, format, arguments);
+    va_end(arguments);
+    return status;
+}
+
 void Instance::event(const char* format, ...) {
     if (!log_events_) return;
     std::va_list arguments;
@@ -538,7 +547,7 @@ Status Instance::not_finite(const char* what, bool (*concerned)(const Variable&)
             if (std::isfinite(floats(v)[e])) continue;
             char name[128];
             element_name(v, e, name, sizeof name);
-            return error("at t = %g: %s %s is %g%s", time_, what, name, floats(v)[e], way_out);
+            return beyond("at t = %g: %s %s is %g%s", time_, what, name, floats(v)[e], way_out);
         }
     }
     return Status::error;
@@ -761,8 +770,8 @@ Status Instance::set_states(const double* values, std::size_t n) {
     if (n != 0 && values == nullptr) return null_pointer("set continuous states");
     for (std::size_t i = 0; i < n; ++i) {
         if (!std::isfinite(values[i]))
-            return error("at t = %g: continuous state %zu = %g refused: a finite number is expected", time_, i + 1,
-                         values[i]);
+            return beyond("at t = %g: continuous state %zu = %g refused: a finite number is expected", time_, i + 1,
+                          values[i]);
     }
     write_states(values);
     return Status::ok;

@@ -113,6 +113,9 @@ public:
 
     /// Reports and returns an error.
     Status error(const char* format, ...) ADCS_PRINTF_LIKE(2, 3);
+    /// Of a state at which a law has no values. In continuous-time mode an integrator has tried it, and may try one
+    /// nearer: fmi2Discard and fmi3Discard.
+    Status beyond(const char* format, ...) ADCS_PRINTF_LIKE(2, 3);
     /// Of a pointer without which a function cannot do what it is asked for.
     Status null_pointer(const char* function) { return error("%s: a pointer is NULL", function); }
 

@@ -12,6 +12,7 @@ from orchestration.coupled.dop853 import Dop853
 from orchestration.coupled.integrators import Terms
 from orchestration.coupled.solution import Solution
 from orchestration.engine.walk import no_rows
+from orchestration.instances.instance import CallFailed
 
 Floats = NDArray[np.float64]
 
@@ -122,3 +123,24 @@ def test_a_state_that_leaves_all_bounds_ends_the_run(mock):
     system.add("c", mock("oscillator"), {"a": 1e308, "b": 1e308, "u": 1e308})
     with pytest.raises(RunFailed, match=r"^c failed at .* the derivative of b is not finite"):
         run(system, stop_time=100.0, step=10, method=ModelExchange(), save=Save(["c.position"]))
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_a_state_at_which_a_law_has_no_values_is_discarded_and_one_nearer_is_not(version):
+    system = System("alone")
+    system.add("body", "RigidBody", {"torque_B": [0, 0, 0], "torque_disturbance_B": [0, 0, 0]})
+    with CoupledModel(system, fmi_version=version) as model:
+        before = model.rhs(0.0, model.x0)
+        for wild in (1e200, np.inf, np.nan):
+            state = model.x0.copy()
+            state[-3:] = [wild, -wild, 0.5 * wild]
+            with pytest.raises(CallFailed, match=r"returned discard: .* (is|=) -?(nan|inf)"):
+                model.rhs(0.0, state)
+        assert np.array_equal(model.rhs(0.0, model.x0), before)
+
+
+def test_a_step_into_what_is_no_state_is_tried_again_shorter():
+    """The stages of a step that is too long for the stiff body with fuel loss are not finite."""
+    rough, fine = (run("adaptive-fuel", stop_time=5, method=ModelExchange(rtol=rtol)) for rtol in (1e-8, 1e-12))
+    assert rough.manifest["integrator"]["rejected"] > 0
+    assert rough["plant.q_BN"] == pytest.approx(fine["plant.q_BN"], abs=1e-6)

@@ -58,8 +58,8 @@ def test_runner_reports_progress_over_all_runs() -> None:
         def __init__(self, name: str) -> None:
             self.manifest = {"name": name}
 
-    def run(system: Any, *, step: float, progress: Any) -> Any:
-        assert step == 0.1
+    def run(system: Any, *, step: float, method: Any, progress: Any) -> Any:
+        assert (step, method.kind) == (0.1, "co-simulation")
         progress(0.5)
         return Result(system)
 

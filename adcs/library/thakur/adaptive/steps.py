@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from adcs.library.outcome import Outcome, Runner
-from adcs.library.thakur.adaptive.fuel import STIFF
 from adcs.library.thakur.adaptive.systems import RECORD, appendage, baseline, comparison_appendage, fuel
 from adcs.library.thakur.choices import Choices
 from orchestration.results.report import Table
@@ -29,10 +28,10 @@ COMPARED = {
     "controller.theta_est": "θ̂ [kg·m²]",
 }
 SYSTEMS = {
-    "baseline": (baseline, {"method": ModelExchange()}),
-    "appendage": (appendage, {"method": ModelExchange()}),
-    "appendage, comparison": (comparison_appendage, {"method": ModelExchange()}),
-    "fuel": (fuel, STIFF),
+    "baseline": baseline,
+    "appendage": appendage,
+    "appendage, comparison": comparison_appendage,
+    "fuel": fuel,
 }
 FUEL_CASES = [
     (step, internal)
@@ -47,9 +46,9 @@ RUNS = len(SYSTEMS) * (1 + len(STEPS)) + 1 + len(FUEL_CASES)
 def exchange_steps(run: Runner, _: Choices) -> Outcome:
     """Every loop at 1 ms and 10 ms, and the limits of the sampled law for fuel loss."""
     rows = []
-    for label, (build, solution) in SYSTEMS.items():
+    for label, build in SYSTEMS.items():
         times = {"stop_time": STOP_TIME, "save": Save(RECORD)}
-        exact = run(f"{label}, coupled, 100 s", build(), step=GRID, **times, **solution)
+        exact = run(f"{label}, coupled, 100 s", build(), step=GRID, **times, method=ModelExchange())
         for step in STEPS:
             result = run(f"{label}, co-simulation at {1e3 * step:g} ms", build(), step=step, **times)
             rows.append([label, 1e3 * step, *_distances(result, exact, step)])
@@ -65,7 +64,7 @@ def exchange_steps(run: Runner, _: Choices) -> Outcome:
 
 def _fuel_limits(run: Runner) -> Table:
     times: dict[str, Any] = {"stop_time": FUEL_STOP_TIME, "save": Save(RECORD)}
-    exact = run("fuel, coupled, 40 s", fuel(), step=GRID, **times, **STIFF)
+    exact = run("fuel, coupled, 40 s", fuel(), step=GRID, **times, method=ModelExchange())
     rows: list[list[object]] = []
     for step, internal in FUEL_CASES:
         label = f"fuel, exchange {1e3 * step:g} ms, internal {1e3 * internal:g} ms"

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <memory>
 
 #include "fmi/conditions.hpp"
 #include "fmi/instance.hpp"
+#include "fmi/token.hpp"
 #include "fmi/trace.hpp"
 
 namespace {
@@ -193,30 +193,27 @@ bool introduces_unit(const Table& table, const Variable& v) {
 
 }  // namespace
 
-int main() {
-    const std::unique_ptr<Model> model(make_model());
-    model->reset();
-    const Table& table = model->table();
+int adcs::print(const Description& description) {
+    const Table& table = description.table;
     if (table.overflow) {
-        std::fprintf(stderr, "%s: too many variables\n", model->name());
+        std::fprintf(stderr, "%s: too many variables\n", description.name);
         return 1;
     }
     for (const Variable& v : table) {
         for (const Variable* other = &v + 1; other != table.end(); ++other) {
             if (v.role == Role::derivative || other->role == Role::derivative) continue;  // goes by the state's name
             if (std::strcmp(v.name, other->name) != 0) continue;
-            std::fprintf(stderr, "%s: variable %s is declared twice\n", model->name(), v.name);
+            std::fprintf(stderr, "%s: variable %s is declared twice\n", description.name, v.name);
             return 1;
         }
     }
-    const Description description = describe_model();
     Dependencies at_start = description.dependencies;
     for (std::size_t i = 0; i < at_start.size(); ++i) at_start[i] = at_start[i] + description.at_start[i];
     char token[40]{};
-    make_token(*model, token);
+    make_token(description.name, table, token);
 
     std::printf("{\"name\": ");
-    print_text(model->name());
+    print_text(description.name);
     print_field("description", description.summary);
     print_field("reference", description.reference);
     print_field("token", token);

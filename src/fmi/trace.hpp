@@ -20,16 +20,19 @@ struct Bits {
 using Trace = Lifted<Bits>;
 using Dependencies = std::array<Bits, Table::scalar_capacity>;  // of each scalar, by value reference
 
-/// What the describe tool prints besides the table.
+/// What the describe program prints.
 struct Description {
+    const char* name;
     const char* summary;
     const char* reference;
     bool differentiable;
     bool sampled;
-    Dependencies dependencies;
-    Dependencies at_start;  ///< what is more at initialization: the first sample is that of the start time
+    const Table& table;
+    const Dependencies& dependencies;
+    const Dependencies& at_start;  ///< what is more at initialization: the first sample is that of the start time
 };
-Description describe_model();
+/// Prints it, and returns what main() does.
+int print(const Description& description);
 
 /// Runs a component at points around its start values, with integer parameters at their start values and at others, and
 /// with quaternions of both signs.
@@ -136,5 +139,17 @@ private:
 
     const Clock clock_ = clock();
 };
+
+/// All that the describe program does for one component. There is no model of it: an integrator and derivatives that
+/// nobody asks would take most of the time to compile.
+template <template <class> class C>
+int describe(const char* name) {
+    Table table;
+    detail::Bound<C, double> start_values(table);
+    start_values.reset();
+    const Tracer<C> traced;
+    return print({name, C<double>::summary, C<double>::reference, detail::is_differentiable<C<double>>,
+                  detail::has_sample<C<double>>, table, traced.dependencies, traced.at_start});
+}
 
 }  // namespace adcs

@@ -29,9 +29,9 @@ def main(
     *names: Annotated[str, Parameter(help="Components; all, if none is named.")],
     output: Annotated[Path, Parameter(help="Folder for the results.")] = Path("results/benchmarks"),
 ) -> None:
-    """Build components from nothing, as after `make clean`, but for the compiler's cache of what belongs to the C library."""
+    """Build components into an empty folder; the compiler keeps its cache, of the C library and the adaptor."""
     try:
-        first_build(["TorqueSwitch"])  # fills that cache
+        first_build(["TorqueSwitch"])  # fills the cache
         count, cpu = first_build(list(names) or None)
     except AdcsError as error:
         Console(stderr=True).print(f"[red]error:[/red] {error}")

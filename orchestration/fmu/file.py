@@ -46,6 +46,7 @@ _FMI2_TYPES = {"Real": "Float64", "Integer": "Int32", "Enumeration": "Int32"}
 _FMI3_TYPES = {"Enumeration": "Int64"}
 
 _log = logging.getLogger("adcs")
+_OURS = "adcs-fmus "  # generationTool of the components built here
 _NOT_FOR_RUNNING = ("sources/", "documentation/", "terminalsAndIcons/")
 _AGAIN = "build or download it again"
 _MOST_ELEMENTS = 1_000_000  # of an array
@@ -140,6 +141,11 @@ class Fmu:
         """Return the node of a variable of the model description."""
         name, element = self.places[variable.name]
         return self.nodes.place(self.ports[name], element)[0]
+
+    @cached_property
+    def ours(self) -> bool:
+        """Whether it was built here: it leaves alone what is not its own, and never discards a step."""
+        return (self.model.generationTool or "").startswith(_OURS)
 
     @cached_property
     def event_indicators(self) -> int:

@@ -838,9 +838,8 @@ Status Instance::prepare_derivatives(const char* function, Addressing addressing
 Status Instance::differentiate_along(const char* function, const Directional* known, std::size_t n_known,
                                      std::size_t n_unknown) {
     Directional* unknown = unknown_scalars();
-    if (!model_->differentiate(known, n_known, unknown, n_unknown, at_sample_, next_sample_)) {
-        return error("%s: this component has no derivatives", function);
-    }
+    const char* why = model_->differentiate(known, n_known, unknown, n_unknown, at_sample_, next_sample_);
+    if (why != nullptr) return error("%s: %s", function, why);
     for (std::size_t i = 0; i < n_unknown; ++i) {
         if (std::isfinite(unknown[i].value)) continue;
         const Variable& v = table().variables[table().owner[unknown[i].vr]];

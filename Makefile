@@ -97,6 +97,9 @@ bench: $(VENV)/installed-dev
 	$(BIN)/python -m benchmarks.lockstep
 	$(BIN)/python -m benchmarks.mavlink
 	$(BIN)/python -m benchmarks.isolation
+	$(BIN)/python -m benchmarks.opening
+	$(BIN)/python -m benchmarks.commands
+	$(BIN)/python -m benchmarks.building
 
 # What is attacked and what survives, the tables of docs/robustness.md and docs/mavlink.md: components and disks (small ones are
 # made by root only), readers, both servers, calls and saved states (where there is a C++ compiler). Half an hour.

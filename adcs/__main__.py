@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 
-from adcs import supervisor
+import adcs.supervisor as supervisor  # not `from adcs`, which asks adcs/__init__.py first, and that loads more
 
 
 def main() -> None:

@@ -122,7 +122,7 @@ class Description:
 
 
 REFUSED = 2
-"""The exit code of a describe program for a mistake in the declaration, as in `src/fmi/describe.cpp`."""
+"""The exit code of a describe program for a mistake in the declaration, as in `src/fmi/describe.hpp`."""
 
 
 class Misdeclared(AdcsError):

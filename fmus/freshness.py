@@ -86,7 +86,8 @@ def outdated(fmu: Path, platform: str, compiler: str = "", header: str | None = 
         return "is not as it was built"
     if header is not None and header not in record.sources:
         return "was built from another header"
-    changed = [name for name, known in record.sources.items() if digest(str(SOURCES / name)) != known]
+    src = str(SOURCES)
+    changed = [n for n, known in record.sources.items() if digest(os.path.join(src, n)) != known]  # noqa: PTH118 quick
     if changed:
         first = min(changed, key=lambda name: (name.startswith("fmi/"), name))
         more = f" (and {len(changed) - 1} more)" if len(changed) > 1 else ""

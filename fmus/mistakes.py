@@ -105,12 +105,19 @@ def _is_ours(error: Error) -> bool:
 
 
 def _not_linked(output: str, header: Path, component: str) -> str:
-    missing = re.search(r"undefined (?:hidden )?symbol: (?P<name>.+)", output)
-    if missing is None:
+    missing = [_as_written(name) for name in re.findall(r"undefined (?:hidden )?symbol: (.+)", output)]
+    if not missing:
         return f"{header.name}: {shown(output.strip(), LONGEST)}"
     lines = [number for number, line in code_lines(header) if _OF_THE_LIBRARY.search(line)]
     place = Place(header, lines[0]) if lines else _struct(header, component)
+    name = next((each for each in missing if "__" not in each), missing[0])  # two underscores: the library's insides
     return (
-        f"{place}: it needs {shown(missing['name'], 80)}, which FMUs do without "
+        f"{place}: it needs {shown(name, 80)}, which FMUs do without "
         "(no std::string or std::vector: arrays have a fixed size, as Eigen::Matrix<T, 5, 1>)"
     )
+
+
+def _as_written(symbol: str) -> str:
+    """Return a linker's name of something of the C++ library as headers have it."""
+    string = "std::basic_string<char, std::char_traits<char>, std::allocator<char>>"
+    return symbol.replace("std::__1::", "std::").replace(string, "std::string")

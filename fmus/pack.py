@@ -11,7 +11,7 @@ from pathlib import Path
 
 from lxml import etree
 
-from fmus import documentation, model_description
+from fmus import model_description
 from fmus.catalog import Component
 from fmus.describe import Description
 from fmus.paths import FMI_HEADERS, LICENSE, PACKAGE
@@ -63,6 +63,8 @@ def is_own(path: Path) -> bool:
 
 def pack(component: Component, parts: Parts, fmi_version: str) -> bytes:
     """The FMU file."""
+    from fmus import documentation  # not at the top: what writes it is loaded where there is something to write
+
     description, sources, icons = parts.description, parts.sources[fmi_version], parts.icons
     compiled = [name for name in sources if name.endswith(".cpp")]
     xml = model_description.fmi2(description, compiled) if fmi_version == "2.0" else model_description.fmi3(description)

@@ -2,10 +2,8 @@
 
 import hashlib
 import os
-from importlib import metadata
+from importlib import metadata, util
 from pathlib import Path
-
-import fmpy
 
 PACKAGE = Path(__file__).resolve().parent
 
@@ -40,6 +38,12 @@ def _eigen() -> Path:
         return PACKAGE / headers
 
 
+def _fmpy() -> Path:
+    found = util.find_spec("fmpy")  # not imported: with NumPy, it takes longer than all that most commands do
+    assert found is not None and found.origin is not None, "it is among the requirements"
+    return Path(found.origin).parent
+
+
 CHECKOUT = _checkout()
 SOURCES = CHECKOUT / "src" if CHECKOUT else PACKAGE / "src"  # a wheel carries the C++ sources inside the package
 LICENSE = (CHECKOUT or PACKAGE) / "LICENSE"
@@ -47,5 +51,6 @@ BUILD = (CHECKOUT or _user_cache()) / "build"
 # site-packages may not be writable; ADCS_DIST puts the FMUs elsewhere.
 DIST = Path(os.environ.get("ADCS_DIST") or (PACKAGE if CHECKOUT else _user_cache()) / "dist").resolve()
 
-FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
+FMPY = _fmpy()
+FMI_HEADERS = FMPY / "c-code"
 EIGEN = _eigen()  # not there where nothing can be compiled

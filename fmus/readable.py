@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import io
 import zipfile
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import fmpy
-from fmpy.model_description import ModelDescription
 from lxml import etree
 
 from fmus.declared_types import give_defaults, without_what_fmpy_lacks
 from fmus.versions import major_version, newer_minor
+
+if TYPE_CHECKING:
+    from fmpy.model_description import ModelDescription
 
 
 def read_model(content: bytes, root: Any, *, validate: bool = True) -> ModelDescription:
@@ -19,6 +20,8 @@ def read_model(content: bytes, root: Any, *, validate: bool = True) -> ModelDesc
 
     ValueError names what is wrong with versions and types; fmpy has errors of its own.
     """
+    import fmpy  # not at the top: most commands read none
+
     version = root.get("fmiVersion")
     if newer := major_version(version) == 3 and newer_minor(version) is not None:
         root.set("fmiVersion", "3.0")  # beyond which fmpy checks less

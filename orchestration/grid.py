@@ -118,13 +118,15 @@ class Grid:
         """The times of these rows, or of the first of them."""
         begin = -(-first // every) * every
         try:
-            k = np.arange(begin, min(self.full + 1, begin + most * every), every, dtype=np.float64)
+            last = min(self.full + 1, begin + most * every)
+            times: NDArray[np.float64] = np.arange(begin, last, every, dtype=np.float64)
         except (MemoryError, ValueError):  # of what can be addressed
             raise AdcsError(
                 f"{(self.full - begin) // every + 1} rows do not fit into memory: record not every step, or take "
                 "longer ones"
             ) from None
-        times: NDArray[np.float64] = self.start + k * self.step
+        times *= self.step  # in place: of many rows, three arrays do not fit where one does
+        times += self.start
         return times if self.stop is None or len(times) == most else np.append(times, self.stop)
 
     def places(self, first: int, every: int, most: int = _MOST_STEPS) -> NDArray[np.float64]:

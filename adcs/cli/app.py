@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import ast
 import logging
 import sys
-from contextlib import suppress
 from importlib import metadata
+from pathlib import Path
 
-from cyclopts import CycloptsError
+from cyclopts import App, CycloptsError
 
 from adcs.cli import slips
 from adcs.cli.command import command
@@ -38,12 +39,27 @@ COMMANDS = list(_FILES)
 _EXTRAS = {"ziglang": "build", "lief": "build", "matplotlib": "plot", "pymavlink": "mavlink"}
 """Packages that not everyone needs, and the extra of this package that brings them."""
 
-app = command("adcs")
-app.help = "Spacecraft attitude control as native FMI components: build them, wire them, run them."
-app.version = metadata.version("adcs-fmus")
-for _name, _file in _FILES.items():
-    app.command(f"{__package__}.{_file}:app", name=_name)
-app.register_install_completion_command(name="--install-completion")
+
+def _summary(file: str) -> str:
+    """The first line of a command's docstring, read from its file: to load all of them would take a second."""
+    tree = ast.parse((Path(__file__).parent / f"{file}.py").read_text(encoding="utf-8"))
+    functions = (each for each in tree.body if isinstance(each, ast.FunctionDef))
+    default = next(each for each in functions if any(ast.unparse(d) == "app.default" for d in each.decorator_list))
+    return (ast.get_docstring(default) or "").partition("\n")[0]
+
+
+def _commands(*, listed: bool = False) -> App:
+    """All commands, none of them loaded; `listed` is for a list of them all, with their summaries."""
+    made = command("adcs")
+    made.help = "Spacecraft attitude control as native FMI components: build them, wire them, run them."
+    made.version = metadata.version("adcs-fmus")
+    for name, file in _FILES.items():  # a help that is given here is all that the command's own `--help` would say
+        made.command(f"{__package__}.{file}:app", name=name, **({"help": _summary(file)} if listed else {}))
+    made.register_install_completion_command(name="--install-completion")
+    return made
+
+
+app = _commands()
 
 
 def main() -> None:
@@ -56,9 +72,8 @@ def main() -> None:
             from adcs.cli.run import at_in_one
 
             arguments = at_in_one(arguments)
-        elif not arguments or arguments[0].startswith("-"):
-            _load_all()
-        app(arguments)
+        overview = not arguments or arguments[0].startswith("-")
+        (_commands(listed=True) if overview else app)(arguments)
     except CycloptsError as error:
         print(f"adcs: {slips.told(error, arguments, COMMANDS)}", file=sys.stderr)
         sys.exit(2)
@@ -77,10 +92,3 @@ def main() -> None:
             raise
         print(f"adcs: {error.filename}: {error.strerror}", file=sys.stderr)
         sys.exit(2 if isinstance(error, FileNotFoundError) else 1)
-
-
-def _load_all() -> None:
-    """Load the commands, whose help is asked for, but those that need what is not installed."""
-    for name in _FILES:
-        with suppress(ImportError):
-            app[name].help  # noqa: B018

@@ -133,7 +133,7 @@ def hil(
         files = write_files(result, folder.given, ["csv", "mat"])
         numbers = [] if stopped else list(entry.key_numbers(result))
         if not (stopped or report.no_report):
-            files += write_report(entry, result, numbers, None, folder.given)
+            files += write_report(entry, result, numbers, None, folder.given, png=report.png)
         if not stopped:
             folder.forget()
     if report.json:

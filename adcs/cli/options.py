@@ -14,13 +14,14 @@ from adcs.catalogue import find_system
 from adcs.cli import words
 from adcs.cli.command import Epoch, Speed, Time, Whole, given, group
 from adcs.cli.showing import Format
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, Failed
 from hil_bridge.frames import FrameName
 from orchestration.entry import SystemEntry
 from orchestration.fmu.file import FmiVersion, Kind
 from orchestration.isolation.folder import ResultsFolder, new_results
 from orchestration.plan.loops import LoopMethod
 from orchestration.process.writing import make_folder
+from orchestration.results.plots import can_draw
 from orchestration.running.fitting import Fitting
 from orchestration.running.hook import Hook
 from orchestration.running.hooks.changes import Changes
@@ -253,12 +254,18 @@ class Report:
     force: bool = False
     """Replace the results that the folder holds."""
     no_report: bool = False
-    """Write no report.html and report.png."""
+    """Write no report.html."""
+    png: bool = False
+    """Draw the plots of the report as report.png, too, which takes a second."""
     json: bool = False
     """Print key numbers, outcome and files as JSON."""
 
     def folder(self, entry: SystemEntry) -> AbstractContextManager[ResultsFolder]:
         """Take the folder, for as long as it is written to."""
+        if self.png and self.no_report:
+            raise AdcsError("--png draws the plots of the report: leave out --no-report")
+        if self.png and not can_draw():
+            raise Failed("--png: matplotlib is not installed: pip install 'adcs-fmus[plot]'")
         return new_results(self.out or Path("results") / entry.name, self.force)
 
 

@@ -80,7 +80,9 @@ def _rest(left: Found, folder: Path) -> tuple[list[Any], list[Path]]:
     try:
         entry = find_system(about["system"])
         numbers = list(entry.key_numbers(result))
-        files = write_report(entry, result, numbers, None, folder, about["command"]) if about["report"] else []
+        if not about["report"]:
+            return numbers, []
+        files = write_report(entry, result, numbers, None, folder, about["command"], png=about.get("png", False))
     except AdcsError as error:
         print(f"adcs: {error}", file=sys.stderr)
         return [], []

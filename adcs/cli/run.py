@@ -47,7 +47,7 @@ def run(
     tools: Streaming = Streaming(),
     results: Results = Results(),
 ) -> None:
-    """Run a system: write the result, manifest.json, report.html, report.png, and print the key numbers."""
+    """Run a system: write the result, manifest.json, report.html, and print the key numbers."""
     entry, built = which.built(system)
     start, stop, step = times.start_of(entry), times.stop_of(entry), times.step_of(entry)
     method, hooks = solving.made(), during.hooks(built)
@@ -77,6 +77,7 @@ def run(
         "system": from_anywhere(system),
         "record": record,
         "report": not no_report,
+        "png": results.png,
         "json": results.json,
     }
     with (
@@ -121,7 +122,7 @@ def run(
         whole = (record is None or not no_report) and not large  # key numbers need all outputs
         numbers = list(entry.key_numbers(result)) if whole and not stopped else []
         if not (stopped or no_report or large):
-            files += write_report(entry, result, numbers, errors, folder.path)
+            files += write_report(entry, result, numbers, errors, folder.path, png=results.png)
     files = [folder.given / file.name for file in files]
     if results.json:
         print(as_json(result, numbers, files))

@@ -27,8 +27,6 @@ Format = Literal["csv", "mat", "hdf5"]
 RESULT_FILES: dict[Format, str] = {"csv": "result.csv", "mat": "result.mat", "hdf5": "result.h5"}
 """The name of a result's file of each kind."""
 
-REPORT_FILES = ("report.html", "report.png")
-
 
 def progress() -> Progress:
     """Progress on the standard error, where someone may look at it."""
@@ -59,13 +57,15 @@ def write_report(
     errors: Estimate | None,
     folder: Path,
     command: str | None = None,
+    *,
+    png: bool = False,
 ) -> list[Path]:
-    """Write report.html, and report.png if what draws it is installed.
+    """Write report.html, and report.png if it is wanted.
 
     `command` is what made the run, this command line by default.
     """
     panels = entry.figures(result)
-    files = [folder / name for name in REPORT_FILES]
+    files = [folder / "report.html"]
     report.write(
         files[0],
         entry.name,
@@ -76,9 +76,9 @@ def write_report(
         key_numbers=numbers,
         command=command or command_line(),
     )
-    if not plots.can_draw():
-        return files[:1]
-    plots.write_png(files[1], panels, entry.name)
+    if png:
+        files.append(folder / "report.png")
+        plots.write_png(files[1], panels, entry.name)
     return files
 
 

@@ -1,5 +1,7 @@
 """What an FMU does when it is loaded on this machine; in a process of its own, since it might crash."""
 
+from __future__ import annotations
+
 import math
 import os
 import struct
@@ -9,12 +11,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import chdir
 from pathlib import Path
-from typing import Any
-
-import fmpy
-from fmpy.fmi2 import FMU2Model, FMU2Slave
-from fmpy.fmi3 import FMU3Model, FMU3Slave
-from fmpy.model_description import ModelDescription
+from typing import TYPE_CHECKING, Any
 
 from fmus.archive import LARGEST_XML, Archive
 from fmus.checks import Failure, Note
@@ -22,6 +19,11 @@ from fmus.paths import PACKAGE
 from fmus.process_end import how
 from fmus.readable import read_model
 from fmus.xml import parse
+
+if TYPE_CHECKING:
+    from fmpy.fmi2 import FMU2Slave
+    from fmpy.fmi3 import FMU3Slave
+    from fmpy.model_description import ModelDescription
 
 _MARKS = {"finding: ": str, "note: ": Note}
 _DOING = "from here on: "
@@ -84,6 +86,10 @@ def report(findings: Iterator[str]) -> None:
 
 def initialised(path: Path) -> Iterator[str]:
     """Do it in this process."""
+    import fmpy
+    from fmpy.fmi2 import FMU2Model, FMU2Slave
+    from fmpy.fmi3 import FMU3Model, FMU3Slave
+
     with Archive(path) as archive:
         content = archive.read("modelDescription.xml", LARGEST_XML)
     root = parse(content, "modelDescription.xml")

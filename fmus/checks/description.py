@@ -1,24 +1,26 @@
 """modelDescription.xml and its companions: the validator of fmpy, and what that misses."""
 
+from __future__ import annotations
+
 import copy
 import math
 import re
 import struct
 from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import fmpy
-from fmpy import validation
-from fmpy.model_description import ModelDescription, ModelVariable, Unknown
 from lxml import etree
 
 from fmus.archive import LARGEST_XML, Archive
 from fmus.checks import Note
 from fmus.errors import AdcsError
+from fmus.paths import FMPY
 from fmus.xml import parse
 
-_SCHEMAS = Path(fmpy.__file__).parent / "schema"
+if TYPE_CHECKING:
+    from fmpy.model_description import ModelDescription, ModelVariable, Unknown
+
+_SCHEMAS = FMPY / "schema"
 _COMPANIONS = {
     "terminalsAndIcons/terminalsAndIcons.xml": "fmi3TerminalsAndIcons.xsd",
     "sources/buildDescription.xml": "fmi3BuildDescription.xsd",
@@ -42,6 +44,9 @@ def check_schema(root: Any) -> Iterator[str]:
 
 def check_standard(model: ModelDescription) -> Iterator[str]:
     """The rules that fmpy knows."""
+    from fmpy import validation
+    from fmpy.model_description import Unknown
+
     expected = [v for v in model.modelVariables if v.alias is not None and not v.clocks and v.causality != "local"]
     named = [Unknown(variable=v) for u in model.initialUnknowns for v in expected if v.alias is u.variable]
     # fmpy asks for each alias of an initial unknown, where FMI 3 has one entry for a value reference

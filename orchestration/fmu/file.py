@@ -46,6 +46,7 @@ _FMI2_TYPES = {"Real": "Float64", "Integer": "Int32", "Enumeration": "Int32"}
 _FMI3_TYPES = {"Enumeration": "Int64"}
 
 _log = logging.getLogger("adcs")
+_OURS = "adcs-fmus "  # generationTool of the components built here
 _NOT_FOR_RUNNING = ("sources/", "documentation/", "terminalsAndIcons/")
 _AGAIN = "build or download it again"
 _MOST_ELEMENTS = 1_000_000  # of an array
@@ -142,6 +143,11 @@ class Fmu:
         return self.nodes.place(self.ports[name], element)[0]
 
     @cached_property
+    def ours(self) -> bool:
+        """Whether it was built here: it leaves alone what is not its own, and never discards a step."""
+        return (self.model.generationTool or "").startswith(_OURS)
+
+    @cached_property
     def event_indicators(self) -> int:
         """How many there are."""
         if self.major_version == 2:
@@ -197,11 +203,6 @@ class Fmu:
     def major_version(self) -> int:
         """2 or 3."""
         return int(self.model.fmiMajorVersion)
-
-    @property
-    def ours(self) -> bool:
-        """Whether it was built here: it discards no step, and leaves alone what is not its own."""
-        return (self.model.generationTool or "").startswith("adcs-fmus ")
 
     def interface(self, kind: Kind) -> Any:
         """Return the description of the interface type; refuse an FMU that does not have it."""

@@ -22,16 +22,17 @@ from orchestration.fmu.file import Fmu, Kind, Port
 from orchestration.fmu.number_types import BEYOND, first_beyond, first_misfit
 from orchestration.grid import SNAP
 from orchestration.instances.events import Events
+from orchestration.instances.inspected import inspected_once
 from orchestration.instances.stepping import DISCARD, Stepper
 from orchestration.process.guard import Guard
 from orchestration.process.where import Calling, Where
 
 _STATUS = {0: "ok", 1: "warning", 2: "discard", 3: "error", 4: "fatal", 5: "pending"}
 _CLASSES = {
-    (2, "co-simulation"): fmi2.FMU2Slave,
-    (2, "model-exchange"): fmi2.FMU2Model,
-    (3, "co-simulation"): fmi3.FMU3Slave,
-    (3, "model-exchange"): fmi3.FMU3Model,
+    (2, "co-simulation"): inspected_once(fmi2.FMU2Slave),
+    (2, "model-exchange"): inspected_once(fmi2.FMU2Model),
+    (3, "co-simulation"): inspected_once(fmi3.FMU3Slave),
+    (3, "model-exchange"): inspected_once(fmi3.FMU3Model),
 }
 _FMI2_NAMES = {"Float64": "Real", "Int32": "Integer"}
 _LAST_SUCCESSFUL_TIME, _TERMINATED = 2, 3  # of fmi2StatusKind
@@ -298,7 +299,7 @@ class Instance:
         if self._guard is not None and not self.ours:
             self._guard.check(self.name)
 
-    @cached_property
+    @property
     def ours(self) -> bool:
         """Whether the FMU was built here: it leaves alone what is not its own."""
         return self.fmu.ours

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.io
 from numpy.typing import NDArray
 
 from fmus.errors import AdcsError
@@ -135,6 +134,8 @@ class StateSpace:
             with replacing(path) as to:
                 to.write_text(json.dumps(self.as_dict(), indent=2) + "\n", encoding="utf-8")
             return
+        import scipy.io
+
         content = {name: getattr(self, name) for name in ("A", "B", "C", "D", "x", "u", "y", "dx", "time", "system")}
         for name in ("states", "inputs", "outputs", "notes"):
             content[name] = np.array(getattr(self, name), dtype=object).reshape(-1, 1)  # a cell array

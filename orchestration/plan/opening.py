@@ -7,6 +7,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from orchestration.fmu.file import FmiVersion, Kind, extracted
+from orchestration.fmu.unpacked import unpacked
 from orchestration.instances.instance import Instance
 from orchestration.plan.loops import Loops, LoopSolver
 from orchestration.plan.lowering import make_plan
@@ -46,7 +47,7 @@ def initialised(
             alone = fmu.interface(kind).canBeInstantiatedOnlyOncePerProcess
             key = f"{fmu.sha256} {name if alone else ''}"
             if key not in folders:
-                folders[key] = stack.enter_context(extracted(fmu, kind))
+                folders[key] = stack.enter_context(extracted(fmu, kind) if alone else unpacked(fmu, kind))
             instance = Instance(name, fmu, kind, *folders[key], where, guard)
             stack.push(lambda kind_of_error, _, __, instance=instance: instance.close(healthy=kind_of_error is None))
             instances[name] = instance

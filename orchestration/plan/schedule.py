@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
 from typing import Literal
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from fmus.errors import AdcsError
 
@@ -211,10 +211,14 @@ def _loops(
     outputs: Sequence[Name], sources: Mapping[Name, Collection[Name]], needs: Mapping[Name, Sequence[Name]]
 ) -> dict[Name, int]:
     """Return the outputs that depend on themselves, in groups that depend on each other."""
+    with suppress(CycleError):
+        TopologicalSorter({out: {s for i in needs[out] for s in sources[i]} for out in outputs}).prepare()
+        return {}
+    from scipy.sparse import csr_array  # where there is a loop: it takes longer to load than most runs
+    from scipy.sparse.csgraph import connected_components
+
     number = {out: i for i, out in enumerate(outputs)}
     edges = [(number[out], number[s]) for out in outputs for i in needs[out] for s in sources[i]]
-    if not edges:
-        return {}
     here, there = np.array(edges).T
     graph = csr_array((np.ones(len(edges), np.int8), (here, there)), shape=(len(outputs), len(outputs)))
     _, group = connected_components(graph, connection="strong")

@@ -8,7 +8,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 
 from fmus.errors import AdcsError
@@ -47,6 +46,8 @@ def write(result: Result, path: str | Path) -> None:
 
 def check(path: Path, ports: Mapping[str, Port]) -> None:
     """Refuse a place where no file can be, and names that cannot stand side by side in it."""
+    import h5py  # here, for runs without such a file
+
     if path.is_dir():
         raise AdcsError(f"cannot write {path}: it is a folder")
     if path.is_file() and not path.is_symlink() and path.stat().st_size and not h5py.is_hdf5(path):
@@ -63,6 +64,8 @@ class File:
     """A file to which rows are appended."""
 
     def __init__(self, path: Path, ports: Mapping[str, Port], shown: str | Path | None = None) -> None:
+        import h5py
+
         self._ports = ports
         self._rows = 0
         shown = shown or path

@@ -7,6 +7,7 @@ import platform
 from collections.abc import Mapping
 from dataclasses import fields
 from datetime import UTC, datetime
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -111,6 +112,7 @@ def _nested(values: tuple[Any, ...], shape: tuple[int, ...]) -> Any:
     return np.asarray(texts, object).reshape(shape).tolist()  # each of its own type
 
 
+@cache
 def _version(package: str) -> str | None:
     try:
         return metadata.version(package)

@@ -9,10 +9,8 @@ from math import isnan
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import numpy as np
 from markupsafe import Markup
-from plotly.offline import get_plotlyjs
 
 from orchestration.process.writing import replacing
 from orchestration.results.plots import Panel, plotly_figure
@@ -69,6 +67,9 @@ def write(
     `manifest` may be nested as it likes: its scalars become a list, its mappings and lists of mappings tables.
     `command` is shown as the way to run again.
     """
+    import jinja2  # here, for commands without a report
+    from plotly.offline import get_plotlyjs
+
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
         autoescape=True,

@@ -23,6 +23,7 @@ from orchestration.plan.schedule import Name, split
 from orchestration.process.where import Where
 from orchestration.process.writing import replacing
 from orchestration.results import frames, hdf5, summary
+from orchestration.results.lines import lines
 from orchestration.system import NUMERIC, System
 
 if TYPE_CHECKING:
@@ -243,13 +244,13 @@ class Result:
         header = ["time[s]"]
         for name, port in self.ports.items():
             header += [f"{element}[{port.unit or '-'}]" for element in element_names(name, port.shape)]
-        write = [float, *(_written_as(port) for port in self.ports.values() for _ in range(port.size))]
-        with replacing(path) as to, to.open("w", encoding="utf-8", newline="\n") as file:
-            file.write(",".join(f'"{h}"' if "," in h else h for h in header) + "\n")
+        ports = self.ports.values()
+        whole = np.array([False, *(not p.type.startswith("Float") for p in ports for _ in range(p.size))])
+        with replacing(path) as to, to.open("wb") as file:
+            file.write((",".join(f'"{h}"' if "," in h else h for h in header) + "\n").encode())
             for first in range(0, len(self.time), _LINES):
                 rows = self.block(first, min(first + _LINES, len(self.time)))
-                for time, row in zip(self.time[first:].tolist(), rows.tolist(), strict=False):
-                    file.write(",".join([repr(w(v)) for w, v in zip(write, [time, *row], strict=True)]) + "\n")
+                file.write(lines(np.column_stack([self.time[first : first + _LINES], rows]), whole))
 
     def write_mat(self, path: str | Path) -> None:
         """Write a MATLAB file with `time` and one struct per component, so that `plant.q_BN` is the name there too.
@@ -336,10 +337,6 @@ def _same_bits(one: Floats, other: Floats) -> bool:
 
 
 _LINES = 10_000  # of a CSV file, that are written at once
-
-
-def _written_as(port: Port) -> type:
-    return float if port.type.startswith("Float") else int
 
 
 class RunFailed(Failed):

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 
 from fmus.errors import AdcsError
@@ -16,6 +15,9 @@ from orchestration.results import hdf5
 from orchestration.results.hdf5 import File, check, dataset_of
 from orchestration.results.result import Recording, Result
 from orchestration.system import System
+
+if TYPE_CHECKING:
+    import h5py
 
 
 class FileRecording(Recording):
@@ -98,6 +100,8 @@ class FileResult(Result):
         return result
 
     def _file(self) -> h5py.File:
+        import h5py
+
         if self.mark is not None and mark_of(self.path) != self.mark:
             raise AdcsError(f"{self.path} is not the file any more that this result is in: give each run its own")
         return h5py.File(self.path)

@@ -1,13 +1,14 @@
 // Host tool: prints what declare() says as JSON, from which the XML and the documentation are made. It prints as it
 // goes and needs nothing of the C++ runtime library, which would take longer to build than all components together.
+#include "fmi/describe.hpp"
+
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <memory>
 
 #include "fmi/conditions.hpp"
 #include "fmi/instance.hpp"
-#include "fmi/trace.hpp"
+#include "fmi/token.hpp"
 
 namespace {
 
@@ -191,9 +192,6 @@ bool introduces_unit(const Table& table, const Variable& v) {
     return true;
 }
 
-/// The exit code for a mistake in the header: what is printed is a text by which its line is found, a tab, and words.
-constexpr int declares_wrong = 2;
-
 bool refuse(const Variable& v, const char* before, const char* after) {
     std::fprintf(stderr, "\"%s\"\t%s%s%s\n", v.name, before, v.name, after);
     return false;
@@ -226,35 +224,32 @@ bool are_names_right(const Table& table) {
     return true;
 }
 
+/// Whether outputs() sets it.
+bool is_of_outputs(const Variable& v) { return v.role == Role::plain && v.causality == Causality::output; }
+
 /// Whether each kind of variable has the function that sets it.
-bool are_functions_there(const Table& table, const Description& has) {
+bool are_functions_there(const Table& table, const Functions& has) {
     bool outputs = false, states = false;
     for (const Variable& v : table) {
-        outputs = outputs || (v.causality == Causality::output && v.role == Role::plain);
+        outputs = outputs || is_of_outputs(v);
         states = states || v.role == Role::state;
-        if (v.causality == Causality::output && v.role == Role::plain && !has.has_outputs)
-            return refuse(v, "nothing sets the output ", " (write void outputs())");
-        if (v.role == Role::held && !has.sampled)
+        if (is_of_outputs(v) && !has.outputs) return refuse(v, "nothing sets the output ", " (write void outputs())");
+        if (v.role == Role::held && !has.sample)
             return refuse(v, "nothing sets ", ", which is held (write void sample(std::int64_t k) and sample_times())");
         if (v.role != Role::state) continue;
-        if (!has.has_derivatives && !has.has_outputs)
+        if (!has.derivatives && !has.outputs)
             return refuse(v, "nothing sets the derivative of ", " (write void derivatives())");
         if (v.unit->per_second == nullptr)
             return refuse(v, "the unit of the state ", " has none for its derivative (a Unit of your own names one)");
     }
     if (!outputs && !states) return refuse("declare(", "it declares no output (v.output(...) in declare())");
-    if (!states && has.has_derivatives)
+    if (!states && has.derivatives)
         return refuse("derivatives()", "derivatives() has no state to be of (v.state(...) in declare())");
     return true;
 }
 
 /// What no law computes: not a number, of bits of its own that arithmetic keeps but for the sign.
 constexpr std::uint64_t unset_bits = 0x7ff8'5e70'0000'0000;
-
-void unset(const Variable& v) {
-    for (std::uint32_t e = 0; e < v.size; ++e)
-        std::memcpy(static_cast<double*>(v.data) + e, &unset_bits, sizeof(double));
-}
 
 bool is_set(const Variable& v) {
     for (std::uint32_t e = 0; e < v.size; ++e) {
@@ -263,52 +258,50 @@ bool is_set(const Variable& v) {
     return true;
 }
 
-/// Whether outputs() and derivatives() set all that is theirs, of what they may read: where a value stays that nothing
-/// computes, or comes of it, what a run gives depends on what was called before.
-bool is_all_set(Model& model, bool sampled) {
-    const auto is_output = [](const Variable& v) { return v.role == Role::plain && v.causality == Causality::output; };
-    if (sampled) model.sample(0);
-    for (const Variable& v : model.table()) {
-        if (is_output(v) || v.role == Role::derivative) unset(v);
+}  // namespace
+
+bool adcs::is_declared_right(const Table& table, const Functions& has) {
+    if (table.overflow) {
+        std::fprintf(stderr, "declare(\ttoo many variables: at most %d with %u elements are possible\n",
+                     Table::capacity, Table::scalar_capacity);
+        return false;
     }
-    model.outputs();
-    for (const Variable& v : model.table()) {
-        if (is_output(v) && !is_set(v))
+    return are_names_right(table) && are_functions_there(table, has);
+}
+
+void adcs::unset(const Table& table) {
+    for (const Variable& v : table) {
+        if (!is_of_outputs(v) && v.role != Role::derivative) continue;
+        for (std::uint32_t e = 0; e < v.size; ++e)
+            std::memcpy(static_cast<double*>(v.data) + e, &unset_bits, sizeof(double));
+    }
+}
+
+bool adcs::are_outputs_set(const Table& table) {
+    for (const Variable& v : table) {
+        if (is_of_outputs(v) && !is_set(v))
             return refuse(v, "outputs() does not set ", ", or reads it before it does (set all of it, each time)");
     }
-    model.derivatives();
-    for (const Variable& v : model.table()) {
+    return true;
+}
+
+bool adcs::are_derivatives_set(const Table& table) {
+    for (const Variable& v : table) {
         if (v.role == Role::derivative && !is_set(v))
             return refuse(v, "the derivative of ", " is not set, or read before it is (set all of it, each time)");
     }
     return true;
 }
 
-bool is_right(Model& model, const Description& has) {
-    return are_names_right(model.table()) && are_functions_there(model.table(), has) && is_all_set(model, has.sampled);
-}
-
-}  // namespace
-
-int main() {
-    const std::unique_ptr<Model> model(make_model());
-    model->reset();
-    const Table& table = model->table();
-    if (table.overflow) {
-        std::fprintf(stderr, "declare(\ttoo many variables: at most %d with %u elements are possible\n",
-                     Table::capacity, Table::scalar_capacity);
-        return declares_wrong;
-    }
-    const Description description = describe_model();
-    if (!is_right(*model, description)) return declares_wrong;
-    model->reset();
+void adcs::print(const Description& description) {
+    const Table& table = description.table;
     Dependencies at_start = description.dependencies;
     for (std::size_t i = 0; i < at_start.size(); ++i) at_start[i] = at_start[i] + description.at_start[i];
     char token[40]{};
-    make_token(*model, token);
+    make_token(description.name, table, token);
 
     std::printf("{\"name\": ");
-    print_text(model->name());
+    print_text(description.name);
     print_field("description", description.summary);
     print_field("reference", description.reference);
     print_field("token", token);
@@ -342,5 +335,4 @@ int main() {
         print_variable(table, description.dependencies, at_start, table.variables[i]);
     });
     std::printf("}\n");
-    return 0;
 }

@@ -6,24 +6,7 @@
 
 #include "fmi/model.hpp"
 #ifdef ADCS_DESCRIBE
-#include "fmi/trace.hpp"
-#endif
-
-#ifdef ADCS_DESCRIBE
-#define ADCS_EXPORT_DESCRIPTION(COMPONENT)                          \
-    adcs::Description adcs::describe_model() {                      \
-        const adcs::Tracer<COMPONENT> traced;                       \
-        return {COMPONENT<double>::summary,                         \
-                COMPONENT<double>::reference,                       \
-                adcs::detail::is_differentiable<COMPONENT<double>>, \
-                adcs::detail::has_sample<COMPONENT<double>>,        \
-                adcs::detail::has_outputs<COMPONENT<double>>,       \
-                adcs::detail::has_derivatives<COMPONENT<double>>,   \
-                traced.dependencies,                                \
-                traced.at_start};                                   \
-    }
-#else
-#define ADCS_EXPORT_DESCRIPTION(COMPONENT)
+#include "fmi/describe.hpp"
 #endif
 
 namespace adcs::detail {
@@ -40,10 +23,19 @@ constexpr bool draws_as([[maybe_unused]] const char* name) {
 
 }  // namespace adcs::detail
 
-#define ADCS_EXPORT(COMPONENT)                                                                                         \
-    static_assert(adcs::detail::draws_as<adcs::COMPONENT<double>>(#COMPONENT), "stream has another component's name"); \
-    adcs::Model* adcs::make_model() {                                                                                  \
-        void* memory = std::malloc(sizeof(adcs::ModelOf<adcs::COMPONENT>));                                            \
-        return memory == nullptr ? nullptr : new (memory) adcs::ModelOf<adcs::COMPONENT>(#COMPONENT);                  \
-    }                                                                                                                  \
-    ADCS_EXPORT_DESCRIPTION(adcs::COMPONENT)
+#define ADCS_CHECK(COMPONENT)                                               \
+    static_assert(adcs::detail::is_well_formed<adcs::COMPONENT<double>>()); \
+    static_assert(adcs::detail::draws_as<adcs::COMPONENT<double>>(#COMPONENT), "stream has another component's name")
+
+#ifdef ADCS_DESCRIBE
+#define ADCS_EXPORT(COMPONENT) \
+    ADCS_CHECK(COMPONENT);     \
+    int main() { return adcs::describe<adcs::COMPONENT>(#COMPONENT); }
+#else
+#define ADCS_EXPORT(COMPONENT)                                                                        \
+    ADCS_CHECK(COMPONENT);                                                                            \
+    adcs::Model* adcs::make_model() {                                                                 \
+        void* memory = std::malloc(sizeof(adcs::ModelOf<adcs::COMPONENT>));                           \
+        return memory == nullptr ? nullptr : new (memory) adcs::ModelOf<adcs::COMPONENT>(#COMPONENT); \
+    }
+#endif

@@ -7,6 +7,7 @@
 #include <new>
 
 #include "fmi/conditions.hpp"
+#include "fmi/token.hpp"
 
 namespace adcs {
 namespace {
@@ -32,23 +33,6 @@ void destroy_model(Model* model) {  // made by make_model() in memory from mallo
     std::free(model);
 }
 
-class Hash {  // FNV-1a, 64 bit
-public:
-    explicit Hash(std::uint64_t basis) : value_(basis) {}
-    void add(const char* text) {
-        do byte(static_cast<unsigned char>(*text));
-        while (*text++ != '\0');
-    }
-    void add(std::uint32_t number) {
-        for (int shift = 0; shift < 32; shift += 8) byte(static_cast<unsigned char>(number >> shift));
-    }
-    std::uint64_t value() const { return value_; }
-
-private:
-    void byte(unsigned char b) { value_ = (value_ ^ b) * 0x100000001b3U; }
-    std::uint64_t value_;
-};
-
 }  // namespace
 
 void element_name(const Variable& v, std::uint32_t element, char* buffer, std::size_t size) {
@@ -59,26 +43,6 @@ void element_name(const Variable& v, std::uint32_t element, char* buffer, std::s
     } else {
         std::snprintf(buffer, size, "%s[%u,%u]", v.name, element / v.cols + 1, element % v.cols + 1);
     }
-}
-
-void make_token(const Model& model, char (&token)[40]) {
-    Hash a(0xcbf29ce484222325U), b(0x9ae16a3b2f90404fU);
-    for (Hash* hash : {&a, &b}) {
-        hash->add(model.name());
-        for (const Variable& v : model.table()) {
-            hash->add(v.name);
-            hash->add(v.unit->name);
-            for (const std::uint32_t number :
-                 {v.vr, v.rows, v.cols, static_cast<std::uint32_t>(v.type), static_cast<std::uint32_t>(v.causality),
-                  static_cast<std::uint32_t>(v.variability), static_cast<std::uint32_t>(v.role)}) {
-                hash->add(number);
-            }
-        }
-    }
-    std::snprintf(token, sizeof token, "{%08x-%04x-%04x-%04x-%04x%08x}", static_cast<unsigned>(a.value() >> 32),
-                  static_cast<unsigned>(a.value() >> 16) & 0xffffU, static_cast<unsigned>(a.value()) & 0xffffU,
-                  static_cast<unsigned>(b.value() >> 48), static_cast<unsigned>(b.value() >> 32) & 0xffffU,
-                  static_cast<unsigned>(b.value()));
 }
 
 // ---------------------------------------------------------------------------------------------- life and messages
@@ -112,7 +76,7 @@ Instance* Instance::create(const char* name, const char* token, Interface interf
 Instance::Instance(const char* name, Interface interface, const Log& log, Model* model)
     : interface_(interface), log_(log), model_(model) {
     std::snprintf(name_, sizeof name_, "%s", name);
-    make_token(*model_, token_);
+    make_token(model_->name(), table(), token_);
     model_->reset();
     for (const Variable& v : table()) {
         if (v.role == Role::state) n_states_ += v.size;
@@ -883,9 +847,8 @@ Status Instance::prepare_derivatives(const char* function, Addressing addressing
 Status Instance::differentiate_along(const char* function, const Directional* known, std::size_t n_known,
                                      std::size_t n_unknown) {
     Directional* unknown = unknown_scalars();
-    if (!model_->differentiate(known, n_known, unknown, n_unknown, at_sample_, next_sample_)) {
-        return error("%s: this component has no derivatives", function);
-    }
+    const char* why = model_->differentiate(known, n_known, unknown, n_unknown, at_sample_, next_sample_);
+    if (why != nullptr) return error("%s: %s", function, why);
     for (std::size_t i = 0; i < n_unknown; ++i) {
         if (std::isfinite(unknown[i].value)) continue;
         const Variable& v = table().variables[table().owner[unknown[i].vr]];

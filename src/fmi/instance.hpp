@@ -262,8 +262,6 @@ private:
     bool spin_reported_ = false;  ///< one warning is enough
 };
 
-/// The identity of a component's declaration: changes whenever names, types, shapes or references do.
-void make_token(const Model& model, char (&token)[40]);
 /// "q_BN[2]", "J_B[1,3]" or the bare name of a scalar.
 void element_name(const Variable& v, std::uint32_t element, char* buffer, std::size_t size);
 

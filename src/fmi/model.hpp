@@ -1,6 +1,8 @@
 // A component behind one interface without templates: what the FMI side needs, and nothing of FMI itself.
 #pragma once
 
+#include <cstdlib>
+#include <new>
 #include <type_traits>
 #include <utility>
 
@@ -39,9 +41,9 @@ public:
     virtual SampleTimes sample_times() const = 0;
     /// nullptr, or what is wrong with the parameters.
     virtual const char* validate() const = 0;
-    /// unknowns[i].value = sum over knowns of d unknown / d known * known.value; false if not differentiable.
-    virtual bool differentiate(const Directional* knowns, std::size_t n_knowns, Directional* unknowns,
-                               std::size_t n_unknowns, bool sampling, std::int64_t k) = 0;
+    /// unknowns[i].value = sum over knowns of d unknown / d known * known.value; nullptr, or why it cannot be had.
+    virtual const char* differentiate(const Directional* knowns, std::size_t n_knowns, Directional* unknowns,
+                                      std::size_t n_unknowns, bool sampling, std::int64_t k) = 0;
 
     const Table& table() const { return table_; }
 
@@ -243,8 +245,10 @@ private:
 template <template <class> class C, bool differentiable = detail::is_differentiable<C<double>>>
 class ModelOf final : public Model {
 public:
-    explicit ModelOf(const char* name) : name_(name), bound_(table_) {
-        static_assert(detail::is_well_formed<C<double>>());
+    explicit ModelOf(const char* name) : name_(name), bound_(table_) {}
+    ~ModelOf() override {
+        if (dual_ != nullptr) dual_->~Differentiated();
+        std::free(dual_);
     }
 
     const char* name() const override { return name_; }
@@ -267,24 +271,30 @@ public:
             return nullptr;
         }
     }
-    bool differentiate(const Directional* knowns, std::size_t n_knowns, Directional* unknowns, std::size_t n_unknowns,
-                       bool sampling, std::int64_t k) override {
+    const char* differentiate(const Directional* knowns, std::size_t n_knowns, Directional* unknowns,
+                              std::size_t n_unknowns, bool sampling, std::int64_t k) override {
         if constexpr (differentiable) {
-            dual_.load(table_);
-            for (std::size_t i = 0; i < n_knowns; ++i) dual_.scalar(knowns[i].vr).tangent += knowns[i].value;
-            dual_.evaluate(sampling, k);
-            for (std::size_t i = 0; i < n_unknowns; ++i) unknowns[i].value = dual_.scalar(unknowns[i].vr).tangent;
-            return true;
+            if (dual_ == nullptr) {
+                void* memory = std::malloc(sizeof(Differentiated));
+                if (memory == nullptr) return "there is no memory for derivatives";
+                dual_ = new (memory) Differentiated;
+            }
+            dual_->load(table_);
+            for (std::size_t i = 0; i < n_knowns; ++i) dual_->scalar(knowns[i].vr).tangent += knowns[i].value;
+            dual_->evaluate(sampling, k);
+            for (std::size_t i = 0; i < n_unknowns; ++i) unknowns[i].value = dual_->scalar(unknowns[i].vr).tangent;
+            return nullptr;
         } else {
-            return false;
+            return "this component has no derivatives";
         }
     }
 
 private:
     struct Nothing {};
+    using Differentiated = std::conditional_t<differentiable, detail::Shadow<C, Dual>, Nothing>;
     const char* name_;
     detail::Bound<C, double> bound_;
-    std::conditional_t<differentiable, detail::Shadow<C, Dual>, Nothing> dual_;
+    Differentiated* dual_ = nullptr;  ///< half of an instance, made when derivatives are asked for
 };
 
 }  // namespace adcs

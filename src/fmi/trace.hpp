@@ -20,18 +20,6 @@ struct Bits {
 using Trace = Lifted<Bits>;
 using Dependencies = std::array<Bits, Table::scalar_capacity>;  // of each scalar, by value reference
 
-/// What the describe tool prints besides the table.
-struct Description {
-    const char* summary;
-    const char* reference;
-    bool differentiable;
-    bool sampled;
-    bool has_outputs, has_derivatives;  ///< functions
-    Dependencies dependencies;
-    Dependencies at_start;  ///< what is more at initialization: the first sample is that of the start time
-};
-Description describe_model();
-
 /// Runs a component at points around its start values, with integer parameters at their start values and at others, and
 /// with quaternions of both signs.
 template <template <class> class C>

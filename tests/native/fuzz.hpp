@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "fmi/instance.hpp"
+#include "fmi/token.hpp"
 #include "fmi2Functions.h"
 #include "fmi3Functions.h"
 
@@ -218,7 +219,7 @@ class Subject {
 public:
     Subject() : model_(adcs::make_model()) {
         model_->reset();
-        adcs::make_token(*model_, token_);
+        adcs::make_token(model_->name(), table(), token_);
         report.component = model_->name();
         for (const Variable& v : table()) n_states_ += v.role == Role::state ? v.size : 0;
     }

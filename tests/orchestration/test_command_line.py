@@ -37,7 +37,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_run_writes_all_its_files(folder, capsys):
-    assert adcs("run", "observer-pd", "--stop", 20, "--step", 0.02, "--out", folder, "--json") == 0
+    assert adcs("run", "observer-pd", "--stop", 20, "--step", 0.02, "--out", folder, "--json", "--png") == 0
     printed = json.loads(capsys.readouterr().out)
     names = ["result.csv", "result.mat", "manifest.json", "report.html", "report.png"]
     assert printed["files"] == [str(folder / name) for name in names]
@@ -52,6 +52,16 @@ def test_a_run_writes_all_its_files(folder, capsys):
     column = rows[0].index("plant.q_BN[1][1]")
     assert float(rows[-1][column]) == attitude[-1, 0]
     assert (folder / "report.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_a_picture_is_drawn_where_it_can_be(tmp_path, capsys, monkeypatch):
+    run = ("run", "observer-pd", "--stop", 1, "--out", tmp_path / "out", "--png")
+    assert adcs(*run, "--no-report") == 2
+    assert capsys.readouterr().err == "adcs: --png draws the plots of the report: leave out --no-report\n"
+    monkeypatch.setattr("adcs.cli.options.can_draw", lambda: False)
+    assert adcs(*run) == 1
+    assert capsys.readouterr().err == "adcs: --png: matplotlib is not installed: pip install 'adcs-fmus[plot]'\n"
+    assert not (tmp_path / "out").exists()
 
 
 def test_people_get_a_table(tmp_path, capsys):

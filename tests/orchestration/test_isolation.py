@@ -282,7 +282,6 @@ def test_exit_at_the_end_is_no_end_of_a_run(mock, tmp_path):
     assert sorted(file.name for file in (tmp_path / "out").iterdir()) == [
         "manifest.json",
         "report.html",
-        "report.png",
         "result.csv",
     ]
     (warning,) = json.loads((tmp_path / "out/manifest.json").read_text())["warnings"]

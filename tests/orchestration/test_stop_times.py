@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from math import ulp
 
 import event_fmus
@@ -149,3 +150,13 @@ def test_more_steps_than_can_be_counted():
 def test_steps_that_time_does_not_resolve(times):
     with pytest.raises(AdcsError, match=r"^step = .* s is below the resolution of time at 1(\.0*1)?e\+\d\d s$"):
         Grid.make(*times)
+
+
+def test_the_times_of_many_rows_take_the_room_of_one_array() -> None:
+    grid = Grid(0.5, 0.01, 1_000_000)
+    tracemalloc.start()
+    times = grid.rows(0, 1)
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most < 1.1 * times.nbytes
+    assert times[[0, 7, 1_000_000]].tolist() == [0.5, 0.5 + 7 * 0.01, 0.5 + 1_000_000 * 0.01]

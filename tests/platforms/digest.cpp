@@ -9,6 +9,7 @@
 
 #include "components.hpp"
 #include "fmi/instance.hpp"
+#include "fmi/token.hpp"
 #include "legal_values.hpp"
 #include "library.hpp"
 
@@ -69,7 +70,7 @@ public:
                    : attempt < attempts - 1 ? 0.3
                                             : 0.0) {
         char token[40]{};
-        adcs::make_token(model, token);
+        adcs::make_token(model.name(), model.table(), token);
         instance_ = library_.instantiate(model.name(), exchange_ ? fmi2ModelExchange : fmi2CoSimulation, token, "",
                                          &callbacks, fmi2False, fmi2False);
         for (const Variable& v : table_) {

@@ -7,7 +7,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import cumulative_simpson
 
 from adcs.library.deruiter.design import parameters
 from adcs.library.deruiter.settings import INERTIA, Choices
@@ -104,6 +103,8 @@ def _edge(name: str, run: Signals, choices: Choices) -> Row:
 
 def _balance(result: Result, choices: Choices) -> tuple[Array, Array]:
     """V, Eq. (49), and V(0) - k times the integral of the squared filtered rate error."""
+    from scipy.integrate import cumulative_simpson  # here, for whoever only lists the systems
+
     theta, theta_p = parameters(INERTIA)
     squares = [
         np.sum(result["controller.filtered_rate_B"] ** 2, axis=1),

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from contourpy import contour_generator
 
 from adcs.library.outcome import Outcome, Row, claims_table, verdict
 from adcs.library.velocity_free.gain_region import (
@@ -158,5 +157,7 @@ def _panel(case: str, figure: str, drawn: Mapping[str, Region]) -> Panel:
 
 def _boundary(found: Region) -> list[Array]:
     """Where the margin passes through zero, as lines (n, 2) of a and b."""
+    from contourpy import contour_generator  # here, for whoever only lists the systems
+
     lines: Any = contour_generator(found.a, found.b, np.clip(found.margin, -1, 1)).lines(0.0)
     return [np.asarray(line, dtype=float) for line in lines]

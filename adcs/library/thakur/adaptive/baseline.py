@@ -5,7 +5,6 @@ from __future__ import annotations
 from math import hypot, sqrt
 
 import numpy as np
-from scipy.optimize import brentq
 
 from adcs.library.outcome import Outcome, Row, Runner, claims_table, verdict
 from adcs.library.thakur.adaptive import settings as settings
@@ -102,6 +101,8 @@ def level(zeta_: float) -> float:
 
 def triangle_impulse() -> float:
     """Torque impulse at which the inertia with fuel loss no longer satisfies the triangle inequality (3.5) [N.m.s]."""
+    from scipy.optimize import brentq  # here, for whoever only lists the systems
+
     J_0, J_1 = np.array(settings.INERTIA), np.diag(settings.FUEL_RATES)
 
     def margin(impulse: float) -> float:

@@ -188,8 +188,15 @@ def is_up_to_date(step: Step) -> bool:
         return False
     record = _Record.read(step.record)
     return record.command == _signature(step) and all(
-        digest(Path(path)) == known for path, known in record.inputs.items()
+        _state(step, Path(path)) == known for path, known in record.inputs.items()
     )
+
+
+def _state(step: Step, path: Path) -> str:
+    """What must stay as it was of an input: its content; for a precompiled header its time too, as the compiler asks."""
+    if step.output.suffix != ".pch" or not path.is_file():
+        return digest(path)
+    return f"{digest(path)} {path.stat().st_mtime_ns}"
 
 
 def included_files(step: Step) -> list[Path]:
@@ -261,7 +268,7 @@ def _run(step: Step) -> None:
         step.record.unlink(missing_ok=True)
         return
     made_of = [*inputs, *(_awaited(inputs, step.command) if step.includes else ())]
-    record = _Record(_signature(step), {str(path): digest(path) for path in made_of})
+    record = _Record(_signature(step), {str(path): _state(step, path) for path in made_of})
     write_atomically(step.record, json.dumps(asdict(record), indent=1).encode())
 
 

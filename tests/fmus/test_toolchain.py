@@ -5,6 +5,7 @@ from adcs import AdcsError
 from fmus.toolchain import (
     TARGETS,
     compile_step,
+    header_step,
     host,
     included_files,
     is_up_to_date,
@@ -52,6 +53,18 @@ def test_touching_without_editing_does_not(project):
     run_steps([step(project)])
     (project / "size.hpp").touch()
     assert is_up_to_date(step(project))
+
+
+def test_but_a_precompiled_header_is_made_anew(project):
+    """The compiler refuses one of whose files the time is another, whatever is in them."""
+    header = header_step(project / "size.hpp", project / "out" / "size.pch", host())
+    for name in "fg":
+        (project / "main.cpp").write_text(f"int {name}() {{ return size; }}\n")
+        run_steps([header])
+        run_steps([compile_step(project / "main.cpp", project / "out" / "main.o", host(), header=header)])
+        assert is_up_to_date(header)
+        (project / "size.hpp").touch()
+        assert not is_up_to_date(header)
 
 
 @pytest.mark.parametrize("content", ["", "[]", '{"format": "another"}', '{"command": "zig"}'])

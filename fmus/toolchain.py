@@ -193,7 +193,7 @@ def is_up_to_date(step: Step) -> bool:
 
 
 def _state(step: Step, path: Path) -> str:
-    """What must stay as it was of an input: its content; for a precompiled header its time too, as the compiler asks."""
+    """What must stay of an input: its content; for a precompiled header its time, too, as the compiler asks."""
     if step.output.suffix != ".pch" or not path.is_file():
         return digest(path)
     return f"{digest(path)} {path.stat().st_mtime_ns}"

@@ -12,6 +12,7 @@
 #define LEAST 0.2 /* of a step's length, the next one's */
 #define MOST 10.0
 #define NEAR 1e-3 /* of a step, what its continuous extension gives beyond its ends as well */
+#define ROUNDING 0x1p-51 /* of a number, what is lost of it in an operation or two */
 #define RETRIES 12 /* of a step that leads out of the states that a component can take */
 
 /* How a walk ends. ROWS_FAILED: a call of the plan of the rows did. */
@@ -55,6 +56,7 @@ typedef struct {
     double* trial;      /* (n) */
     double* stages;     /* (EXTENDED, n) */
     double* extension;  /* (DEGREE, n) */
+    double* uncertain;  /* (n) what roundings make of the derivatives at `began` */
     double* indicators; /* (n_indicators) at `time` */
     double* look;       /* (n_indicators) */
 
@@ -114,15 +116,19 @@ static double norm(const Walk* w, const double* v, const double* x) {
 
 static double eighth_root(double value) { return sqrt(sqrt(sqrt(value))); }
 
-/* One step from `before` at `began` to `end`, with the first stage given: x and the stages. Its error in units of the
- * tolerances is written to `error`. */
-static bool attempt(Walk* w, double end, double* error) {
-    const size_t n = w->n;
+/* One step from `before` at `began` to `end`, with the first stage given: x and the stages. */
+static bool attempt(Walk* w, double end) {
     const double h = end - w->began;
     for (size_t s = 1; s < STAGES; ++s) {
         if (!stage(w, s, h, end)) return false;
     }
     combine(w, A[STAGES], STAGES, h, w->x);
+    return true;
+}
+
+/* The error of what was attempted, in units of the tolerances, or, if they are known, of what roundings make of it. */
+static double error_of(const Walk* w, double h, bool known) {
+    const size_t n = w->n;
     double sum5 = 0, sum3 = 0;
     for (size_t i = 0; i < n; ++i) {
         double e5 = 0, e3 = 0;
@@ -130,11 +136,25 @@ static bool attempt(Walk* w, double end, double* error) {
             e5 += E5[s] * w->stages[s * n + i];
             e3 += E3[s] * w->stages[s * n + i];
         }
-        const double unit = scale(w, i, fmax(fabs(w->before[i]), fabs(w->x[i])));
+        double unit = scale(w, i, fmax(fabs(w->before[i]), fabs(w->x[i])));
+        if (known) unit = fmax(unit, h * w->uncertain[i]);
         sum5 += (e5 / unit) * (e5 / unit);
         sum3 += (e3 / unit) * (e3 / unit);
     }
-    *error = sum5 == 0 ? 0 : h * sum5 / sqrt((sum5 + 0.01 * sum3) * (double)n);
+    return sum5 == 0 ? 0 : h * sum5 / sqrt((sum5 + 0.01 * sum3) * (double)n);
+}
+
+/* What roundings of time and states make of the derivatives: the most of three draws. Where large numbers are
+ * subtracted it is more than the tolerances allow, and no step is short enough for them. */
+static bool find_uncertain(Walk* w) {
+    double* f = w->extension; /* which no one needs within a step */
+    for (size_t draw = 0; draw < 3; ++draw) {
+        for (size_t i = 0; i < w->n; ++i) w->trial[i] = w->before[i] * (i >> draw & 1 ? 1 - ROUNDING : 1 + ROUNDING);
+        if (!slope(w, w->began + ROUNDING * fabs(w->began), w->trial, f)) return false;
+        for (size_t i = 0; i < w->n; ++i) {
+            w->uncertain[i] = fmax(draw ? w->uncertain[i] : 0, fabs(f[i] - w->stages[i]));
+        }
+    }
     return true;
 }
 
@@ -171,15 +191,23 @@ static int32_t accepted(Walk* w, double bound) {
     const double shortest = 10 * (nextafter(w->began, INFINITY) - w->began);
     if (w->length == 0) w->length = first_length(w, bound - w->began);
     w->length = fmax(w->length, shortest);
-    bool rejected = false;
+    bool rejected = false, known = false;
     for (int retries = 0;;) {
         if (w->flow->stop) return STOPPED;
         w->length = fmin(w->length, w->longest);
         if (w->length < shortest) return TOO_SHORT;
         const double end = fmin(w->began + w->length, bound), h = end - w->began;
         if (end == w->end) w->cut = true;
-        double error;
-        if (!attempt(w, end, &error) || (error < 1 && !complete(w, end))) {
+        double error = INFINITY;
+        bool well = attempt(w, end);
+        if (well) {
+            error = error_of(w, h, known);
+            if (!(error < 1) && !known && find_uncertain(w)) {
+                known = true;
+                error = error_of(w, h, known);
+            }
+        }
+        if (!well || (error < 1 && !complete(w, end))) {
             w->length = 0.1 * h;
             if (!of_the_state(&w->flow->failure) || retries++ == RETRIES || w->length < shortest) return FAILED;
             w->flow->failure.reason = 0;
@@ -348,8 +376,7 @@ EXPORT bool adcs_shorter(const Walk* from, Walk* to, double t) {
     to->tried = from->tried;
     memcpy(to->at_origin, from->at_origin, n * sizeof(double));
     to->floor = from->floor;
-    double error;
-    return engine_end(to->flow, attempt(to, t, &error) && complete(to, t));
+    return engine_end(to->flow, attempt(to, t) && complete(to, t));
 }
 
 /* The right-hand side as CVODE calls it: `given` is what CVodeSetUserData was given. Positive: of this state there are no

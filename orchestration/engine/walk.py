@@ -89,6 +89,7 @@ class _Walk(ctypes.Structure):
         ("trial", ctypes.c_void_p),
         ("stages", ctypes.c_void_p),
         ("extension", ctypes.c_void_p),
+        ("uncertain", ctypes.c_void_p),
         ("indicators", ctypes.c_void_p),
         ("look", ctypes.c_void_p),
         ("asked", ctypes.c_double),
@@ -192,6 +193,7 @@ class Walk:
         self._at_origin = np.zeros(n_states)
         self.x, self._before, self._trial = np.zeros(n_states), np.zeros(n_states), np.zeros(n_states)
         self._stages, self._extension = np.zeros((_EXTENDED, n_states)), np.zeros((_DEGREE, n_states))
+        self._uncertain = np.zeros(n_states)
         self._indicators, self._look = indicators, np.zeros_like(indicators)
         self._raw = _Walk(
             flow=ctypes.addressof(flow.raw),
@@ -215,6 +217,7 @@ class Walk:
             trial=self._trial.ctypes.data,
             stages=self._stages.ctypes.data,
             extension=self._extension.ctypes.data,
+            uncertain=self._uncertain.ctypes.data,
             indicators=indicators.ctypes.data,
             look=self._look.ctypes.data,
             taken=ctypes.pointer(taken),

@@ -27,7 +27,6 @@ IN_PROCESS = "--in-process"
 _LOOK = 0.5  # s, between two looks at where the run is
 _GRACE = 10.0  # s, longer than the run's own watchdog needs to give a call up and to begin to write
 _EXIT = 5.0  # s, for a process to end that has said that it is done
-_POSIX = os.name == "posix"
 
 
 def wanted(arguments: Sequence[str], environment: Mapping[str, str]) -> bool:
@@ -51,7 +50,7 @@ class _Run:
         self._asked_at = 0.0
         self._hung = 0.0  # s, for which a call has not returned
         self._resumed = 0.0  # when this process went on after Ctrl-Z
-        own: dict[str, Any] = {"process_group": 0} if _POSIX else {}  # signals go through here
+        own: dict[str, Any] = {} if sys.platform == "win32" else {"process_group": 0}  # signals go through here
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-m", "adcs.child", *arguments],
             stdin=subprocess.DEVNULL,
@@ -86,21 +85,23 @@ class _Run:
 
     def _listen(self) -> None:
         """Hand on what is asked of this process."""
-        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK"):
             number = getattr(signal, name, None)
             if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
                 signal.signal(number, self._hand_on)
-        if _POSIX:
+        if sys.platform != "win32":
             signal.signal(signal.SIGTSTP, self._stop)
 
     def _hand_on(self, number: int, frame: object) -> None:
         self._asked, self._asked_at = number, self._asked_at or time.monotonic()
-        if _POSIX:  # elsewhere it gets the same from the terminal
+        if sys.platform != "win32":  # where it gets the same from the terminal
             with suppress(OSError):
                 self._process.send_signal(number)
 
     def _stop(self, number: int, frame: object) -> None:
         """Ctrl-Z: the run stops, too, and goes on when this process does."""
+        if sys.platform == "win32":  # which knows no such thing
+            return
         self._process.send_signal(signal.SIGSTOP)
         os.kill(os.getpid(), signal.SIGSTOP)
         self._resumed = time.monotonic()

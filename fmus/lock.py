@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
+import sys
 from contextlib import suppress
 from pathlib import Path
 
-try:
-    import fcntl
-except ImportError:  # Windows
-    fcntl = None  # type: ignore[assignment]
+if sys.platform == "win32":
     import msvcrt
+else:
+    import fcntl
 
 _OUT_OF_THE_WAY = 200  # of a component that closes "all" descriptors
 _FAR = 1 << 30  # Windows locks bytes, and locked ones cannot be read: this one is never there
@@ -27,7 +27,7 @@ class Lock:
         """Return whether it is ours now; a link in its place is not followed."""
         file = os.open(self.path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
         try:
-            if fcntl is not None:
+            if sys.platform != "win32":
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 with suppress(OSError):
                     high = fcntl.fcntl(file, fcntl.F_DUPFD_CLOEXEC, _OUT_OF_THE_WAY)
@@ -40,7 +40,7 @@ class Lock:
         except OSError:
             os.close(file)
             return False
-        if fcntl is not None and not self._same(file):  # who had it has removed the file meanwhile
+        if sys.platform != "win32" and not self._same(file):  # who had it has removed the file meanwhile
             os.close(file)
             return self.take()
         with suppress(OSError):  # a full disk: the lock is there all the same
@@ -65,7 +65,7 @@ class Lock:
     def release(self) -> None:
         """Give it up, and remove the file."""
         if self._file is not None:
-            if fcntl is not None:  # Windows removes no open file
+            if sys.platform != "win32":  # which removes no open file
                 self.path.unlink(missing_ok=True)
             with suppress(OSError):
                 os.close(self._file)

@@ -86,11 +86,11 @@ def pack(component: Component, parts: Parts, fmi_version: str) -> bytes:
 def _binaries(name: str, fmi_version: str, binaries: Mapping[Target, bytes]) -> dict[str, bytes]:
     if fmi_version == "3.0":
         return {f"binaries/{t.name}/{name}{t.suffix}": content for t, content in binaries.items()}
-    files = {f"binaries/{t.fmi2_folder}/{name}{t.suffix}": content for t, content in binaries.items()}
-    darwin = [content for t, content in binaries.items() if t.name.endswith("-darwin")]
-    if darwin:  # FMI 2.0 importers look for darwin64 on every Mac
-        files[f"binaries/darwin64/{name}.dylib"] = universal_binary(darwin)
-    return files
+    places: dict[str, list[bytes]] = {}
+    for t, content in binaries.items():
+        places.setdefault(f"binaries/{t.fmi2_folder}/{name}{t.suffix}", []).append(content)
+    # importers look for the same folder on every Mac
+    return {place: its[0] if len(its) == 1 else universal_binary(its) for place, its in places.items()}
 
 
 def _build_description(name: str, compiled: Iterable[str]) -> bytes:

@@ -29,7 +29,8 @@ class Target:
     """The platform tuple of FMI 3.0."""
     triple: str
     fmi2_folder: str
-    """FMI 2.0 has own names for three platforms and takes the tuple for the others (since 2.0.4)."""
+    """FMI 2.0 has own names for Linux, Windows and macOS, the last for both processors, and takes the tuple for others
+    (since 2.0.4)."""
     suffix: str
 
 
@@ -38,7 +39,7 @@ TARGETS = (
     Target("aarch64-linux", "aarch64-linux-gnu.2.17", "aarch64-linux", ".so"),
     Target("x86_64-windows", "x86_64-windows-gnu", "win64", ".dll"),
     Target("x86_64-darwin", "x86_64-macos.11.0", "darwin64", ".dylib"),
-    Target("aarch64-darwin", "aarch64-macos.11.0", "aarch64-darwin", ".dylib"),
+    Target("aarch64-darwin", "aarch64-macos.11.0", "darwin64", ".dylib"),
 )
 
 COMPILE_FLAGS = (
@@ -59,7 +60,9 @@ OPTIMISED = (
 UNOPTIMISED = ("-O0", "-fno-sanitize=undefined")  # of which zig inserts traps otherwise
 LINK_FLAGS = {
     ".so": (f"-Wl,--version-script={SOURCES / 'fmi' / 'exports.map'}", "-Wl,-z,defs", "-Wl,--gc-sections"),
-    ".dll": ("-Wl,--gc-sections", "-Wl,-Brepro"),  # a digest in place of the time
+    # the compiler's run-time library is as large as a component, and src/fmi/runtime.cpp has what is needed of it;
+    # a digest in place of the time
+    ".dll": ("-rtlib=none", "-Wl,--gc-sections", "-Wl,-Brepro"),
     ".dylib": ("-Wl,-dead_strip",),
 }
 
@@ -238,7 +241,15 @@ def _run(step: Step) -> None:
     started = time.time_ns()
     zig_cache = str(BUILD / "zig")
     environment = os.environ | {"ZIG_GLOBAL_CACHE_DIR": zig_cache, "ZIG_LOCAL_CACHE_DIR": zig_cache}
-    result = subprocess.run([zig(), *step.command], capture_output=True, text=True, env=environment, check=False)
+    result = subprocess.run(
+        [zig(), *step.command],
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        errors="replace",
+        env=environment,
+        check=False,
+    )
     for stray in (".lib", ".pdb"):
         step.output.with_suffix(stray).unlink(missing_ok=True)
     if result.returncode != 0:

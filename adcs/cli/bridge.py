@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Sequence
 from math import inf
 from typing import Any
@@ -92,7 +93,7 @@ def bridge(
 
 def _prioritise() -> None:
     """Run before all ordinary work of the machine. The bridge's own process was not started yet, and stays ordinary."""
-    if not hasattr(os, "sched_setscheduler"):
+    if sys.platform != "linux":
         raise AdcsError("--fifo: this platform has no SCHED_FIFO")
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(10))

@@ -13,6 +13,7 @@ from typing import Any, Literal
 from orchestration.results.plots import Panel
 from orchestration.results.report import KeyNumber, Table
 from orchestration.results.result import Result
+from orchestration.running.method import CoSimulation
 from orchestration.system import System
 
 Verdict = Literal["reproduced", "not reproduced", "wrong in print"]
@@ -66,10 +67,12 @@ class Runner:
         self.runs: list[tuple[str, Mapping[str, Any]]] = []  # label and manifest
 
     def __call__(self, label: str, system: System, **settings: Any) -> Result:
-        """Run `system` with the keyword arguments of `orchestration.running.run`."""
+        """Run `system` with the keyword arguments of `run`: by co-simulation, unless they name another method."""
         self._progress(self._done / self._runs, label)
         result = self._run(
-            system, **settings, progress=lambda part: self._progress((self._done + part) / self._runs, label)
+            system,
+            **{"method": CoSimulation(), **settings},
+            progress=lambda part: self._progress((self._done + part) / self._runs, label),
         )
         self._done += 1
         self.runs.append((label, result.manifest))

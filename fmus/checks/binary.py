@@ -21,7 +21,8 @@ _X86_32 = frozenset({"I386", "X86"})
 _X86 = frozenset({"X86_64", "AMD64"})
 _ARM = frozenset({"AARCH64", "ARM64"})
 _ARCHITECTURES = {
-    **dict.fromkeys(("linux64", "win64", "darwin64"), _X86),
+    **dict.fromkeys(("linux64", "win64"), _X86),
+    "darwin64": _X86 | _ARM,
     **dict.fromkeys(("x86_64-linux", "x86_64-windows", "x86_64-darwin"), _X86),
     **dict.fromkeys(("aarch64-linux", "aarch64-darwin", "aarch64-windows"), _ARM),
     **dict.fromkeys(("linux32", "win32", "darwin32", "x86-linux", "x86-windows"), _X86_32),

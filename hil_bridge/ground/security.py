@@ -83,9 +83,11 @@ class Keyring:
     def open(cls, path: Path, state: Path | None = None) -> Keyring:
         """Read a key: a file with 64 hexadecimal digits, or any other text, of which the SHA-256 is the key."""
         try:
-            text = path.read_text().strip()
+            text = path.read_text(encoding="utf-8").strip()
         except OSError as error:
             raise AdcsError(f"cannot read the signing key {path}: {error.strerror}") from None
+        except UnicodeDecodeError:
+            raise AdcsError(f"the signing key {path} is no text: expected 64 hexadecimal digits, or any text") from None
         if not text:
             raise AdcsError(f"the signing key {path} is empty")
         try:

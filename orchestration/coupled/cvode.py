@@ -13,8 +13,7 @@ from fmus.errors import AdcsError
 from orchestration.coupled import integrators
 from orchestration.coupled.integrators import Terms, too_many
 from orchestration.coupled.model import CoupledModel
-from orchestration.engine.walk import Rows
-from orchestration.instances.instance import CallFailed
+from orchestration.engine.walk import Rows, Taken
 from orchestration.plan.lowering import Floats
 
 
@@ -27,7 +26,8 @@ class CVode:
         self._looks = len(terms.indicators) > 0 or model.watched
         self._solver: Any = None
         self._stopped = False
-        self._steps, self._since, self._row = 0, 0, 0.0
+        self._since, self._row = 0, 0.0
+        self.taken = Taken()
         self.began = self.time = 0.0
         self.x: Floats = np.empty(0)
         self._begin = self.x
@@ -42,7 +42,7 @@ class CVode:
         self._floor = self.time
 
     @property
-    def begin(self) -> tuple[float, Floats, float]:
+    def origin(self) -> tuple[float, Floats, float]:
         """Never asked for: what it knows of many steps cannot be made again."""
         raise NotImplementedError
 
@@ -93,11 +93,9 @@ class CVode:
             before = self.time
             self.time, self.x = self._solver.one_step(bound)
             if self.time <= before:
-                raise RuntimeError("its steps become too small for time to go on")
-            self._steps += 1
-        except Exception as error:
-            if self._solver.failure is not None:
-                raise self._solver.failure from None
+                raise self._solver.failed("its steps become too small for time to go on")
+            self.taken.steps += 1
+        except RuntimeError as error:
             reason = " ".join(str(error).split())
             raise AdcsError(f"CVode cannot go on from t = {self.time:.9g} s: {reason}") from error
 
@@ -135,7 +133,7 @@ class CVode:
     @property
     def report(self) -> dict[str, Any]:
         """What it has taken, for the manifest."""
-        return {"steps": self._steps}
+        return {"steps": self.taken.steps, "evaluations": self.taken.evaluations}
 
 
 @cache
@@ -153,6 +151,8 @@ def _cvode() -> Any:
     one_step = 2  # CV_ONE_STEP
     set_stop_time = sundials_cvode.CVodeSetStopTime
     set_stop_time.argtypes = (c_void_p, c_double)
+    set_user_data = sundials_cvode.CVodeSetUserData
+    set_user_data.argtypes = (c_void_p, c_void_p)
     interpolate = sundials_cvode.CVodeGetDky
     interpolate.argtypes = (c_void_p, c_double, c_int, N_Vector)
     get_logger = sundials_core.SUNContext_GetLogger
@@ -164,9 +164,10 @@ def _cvode() -> Any:
     class Solver(CVodeSolver):  # type: ignore[misc]
         def __init__(self, model: CoupledModel, at: CVode, terms: Terms) -> None:
             rtol, atol = terms.rtol, terms.atol
-            self.failure: BaseException | None = None
-            self._rhs = model.rhs
             n = len(at.x)
+            self._walk = integrators.walk_of(model, terms, at.taken)
+            # fmpy makes a function that CVODE calls of what `f` is: here that is one in C already
+            self.f, self._given = self._walk.right_hand_side(sundials_core.N_VGetArrayPointer)
 
             def nominals(to: Any, _: int) -> None:  # times rtol they are the absolute tolerances
                 np.ctypeslib.as_array(to, (n,))[:] = (atol / rtol) * model.nominals
@@ -189,18 +190,10 @@ def _cvode() -> Any:
             get_logger(self.sunctx, byref(logger))
             for function in log_files:  # failures are reported as errors; standard output is not CVODE's
                 function(logger, os.devnull.encode())
+            set_user_data(self.cvode_mem, byref(self._given))
             self._state = np.ctypeslib.as_array(self.px, (n,))
             self._between = N_VNew_Serial(n, self.sunctx)
             self._between_state = np.ctypeslib.as_array(NV_DATA_S(self._between), (n,))
-
-        def f(self, t: float, y: Any, ydot: Any, user_data: Any) -> int:
-            try:
-                x = np.ctypeslib.as_array(NV_DATA_S(y), (self.nx,))
-                np.ctypeslib.as_array(NV_DATA_S(ydot), (self.nx,))[:] = self._rhs(t, x)
-            except BaseException as error:  # cannot pass through C, where a negative value ends the integration
-                self.failure = error
-                return 1 if isinstance(error, CallFailed) and _of_the_state(error) else -1
-            return 0
 
         def reset(self, time: float) -> None:
             super().reset(time)
@@ -208,16 +201,19 @@ def _cvode() -> Any:
 
         def one_step(self, target: float) -> tuple[float, Floats]:
             reached = c_double()
-            self.failure = None
+            self._given.forget()
             set_stop_time(self.cvode_mem, target)
             if cvode.CVode(self.cvode_mem, target, self.x, byref(reached), one_step) < 0:
-                raise RuntimeError(self._trouble())
+                raise self.failed(self._trouble())
             return reached.value, self._state.copy()
 
         def interpolate(self, t: float) -> Floats:
             if interpolate(self.cvode_mem, t, 0, self._between) < 0:
                 raise RuntimeError(self._trouble())
             return self._between_state.copy()
+
+        def failed(self, otherwise: str) -> Exception:
+            return self._walk.failed(self._given) or RuntimeError(otherwise)
 
         def _trouble(self) -> str:
             code, function, _, message = self.error_info
@@ -228,8 +224,3 @@ def _cvode() -> Any:
 
 def _copy(values: Floats, to: Any) -> None:
     np.ctypeslib.as_array(to, (len(values),))[:] = values
-
-
-def _of_the_state(failure: CallFailed) -> bool:
-    """Whether a call failed because the state that the integrator tried is out of bounds."""
-    return " returned discard" in failure.text or failure.text.endswith("is not finite")

@@ -18,19 +18,7 @@ class Dop853:
     def __init__(self, model: CoupledModel, terms: Terms) -> None:
         self._model, self._atol = model, terms.atol
         self._taken = Taken()
-        self._walk, self._spare = (
-            model.walk(
-                relative=terms.rtol,
-                longest=terms.longest,
-                instant=terms.instant,
-                looks=terms.looks,
-                apart=terms.apart,
-                indicators=terms.indicators,
-                taken=self._taken,
-                most_steps=integrators.MOST_STEPS,
-            )
-            for _ in range(2)
-        )
+        self._walk, self._spare = (integrators.walk_of(model, terms, self._taken) for _ in range(2))
 
     @property
     def began(self) -> float:
@@ -57,9 +45,9 @@ class Dop853:
         self._walk.settle()
 
     @property
-    def begin(self) -> tuple[float, Floats, float]:
-        """Time, state and length [s] with which `restart` makes the last step again."""
-        return self._walk.begin
+    def origin(self) -> tuple[float, Floats, float]:
+        """Time, state and length [s] with which `restart` makes the last steps again, and goes on as a longer run."""
+        return self._walk.origin
 
     def restart(self, t: float, x: Floats, length: float = 0.0) -> None:
         """Go on from (t, x), with what was learned before forgotten, but for the length of a step (s), if given."""

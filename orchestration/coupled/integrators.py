@@ -9,7 +9,8 @@ from typing import Any, Literal, Protocol
 import numpy as np
 
 from fmus.errors import AdcsError
-from orchestration.engine.walk import Rows
+from orchestration.coupled.model import CoupledModel
+from orchestration.engine.walk import Rows, Taken, Walk
 from orchestration.plan.lowering import Floats
 
 MOST_STEPS = 100_000  # from one row to the next
@@ -22,14 +23,16 @@ class Terms:
     """How a solution is walked along; times in s.
 
     `rtol` is relative to a state's value, `atol` to its nominal value. No step is longer than `longest`; times that
-    differ by at most `instant` are the same. `indicators` holds the event indicators at the begin of a step, if there
-    are any: then each step is looked into at `looks` times, or more, for not more than `apart` between two of them.
+    differ by at most `instant` are the same; `end` is that of the run. `indicators` holds the event indicators at the
+    begin of a step, if there are any: then each step is looked into at `looks` times, or more, for not more than
+    `apart` between two of them.
     """
 
     rtol: float
     atol: float
     longest: float
     instant: float
+    end: float
     looks: int
     apart: float
     indicators: Floats
@@ -62,8 +65,8 @@ class Integrator(Protocol):
         """Bring no component to a time before the present one any more."""
 
     @property
-    def begin(self) -> tuple[float, Floats, float]:
-        """Time, state and length [s] with which `restart` makes the last step again."""
+    def origin(self) -> tuple[float, Floats, float]:
+        """Time, state and length [s] with which `restart` makes the last steps again, and goes on as a longer run."""
 
     def restart(self, t: float, x: Floats, length: float = 0.0) -> None:
         """Go on from (t, x), with what was learned before forgotten, but for the length of a step (s), if given."""
@@ -98,4 +101,19 @@ def too_many(name: str, start: float, time: float, target: float) -> AdcsError:
     return AdcsError(
         f"{name} cannot go on from t = {time:.9g} s: {MOST_STEPS} steps do not reach t = {target:.9g} s, "
         f"{needed:.2g} would be needed: choose a shorter time between rows, or loosen the tolerances"
+    )
+
+
+def walk_of(model: CoupledModel, terms: Terms, taken: Taken) -> Walk:
+    """Return a compiled walk on these terms."""
+    return model.walk(
+        relative=terms.rtol,
+        longest=terms.longest,
+        instant=terms.instant,
+        looks=terms.looks,
+        apart=terms.apart,
+        indicators=terms.indicators,
+        end=terms.end,
+        taken=taken,
+        most_steps=MOST_STEPS,
     )

@@ -190,7 +190,7 @@ class CoupledSimulation:
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """Return what has to be kept to go on from here, besides the components' states."""
-        time, x, length = self._solution.begin
+        time, x, length = self._solution.origin
         events = [self.model.next_events[name] for name in sorted(self.model.next_events)]
         return {"walk": np.array([time, length]), "x": x, "next_events": np.array(events)}
 

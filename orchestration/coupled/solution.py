@@ -50,7 +50,7 @@ class Solution:
         self._instant, self._end = instant, end
         self._events: deque[float] = deque(maxlen=_CHATTER)
         self._z: Floats = np.zeros(model.n_indicators)  # event indicators at the last event or accepted step
-        terms = Terms(rtol, atol, longest, instant, LOOKS, apart, self._z)
+        terms = Terms(rtol, atol, longest, instant, end, LOOKS, apart, self._z)
         self._terms = terms
         # without states there is nothing that CVODE could do
         kind = CVode if solver == "CVode" and model.state_names else Dop853
@@ -221,12 +221,12 @@ class Solution:
         self._counted, self._last = self._counted + 1, component
 
     @property
-    def begin(self) -> tuple[float, Floats, float]:
-        """Time, state and length [s] with which `resume` makes the last step again, and goes on as here."""
-        return self._integrator.begin
+    def origin(self) -> tuple[float, Floats, float]:
+        """Time, state and length [s] with which `resume` makes the last steps again, and goes on as a longer run."""
+        return self._integrator.origin
 
     def resume(self, time: float, x: Floats, length: float) -> None:
-        """Go on from what `begin` gave."""
+        """Go on from what `origin` gave."""
         self._restart(time, x, length)
 
     def _restart(self, time: float, x: Floats, length: float = 0.0) -> None:

@@ -102,7 +102,9 @@ class _Delay(ctypes.Structure):
     )
 
 
-class _Failure(ctypes.Structure):
+class Failure(ctypes.Structure):
+    """What failed, in numbers (engine.h)."""
+
     _fields_ = tuple((name, ctypes.c_int32) for name in ("reason", "kind", "component", "call", "status", "element"))
 
 
@@ -120,7 +122,7 @@ class _Plan(ctypes.Structure):
         ("n_record", ctypes.c_size_t),
         ("record_every", ctypes.c_int64),
         ("callback", _CALLBACK),
-        ("failure", _Failure),
+        ("failure", Failure),
         ("ending", ctypes.c_int64),
         ("ender", ctypes.c_int32),
         ("returned", ctypes.c_double),

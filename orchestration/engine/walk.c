@@ -36,6 +36,7 @@ typedef struct {
     double looks;   /* into each step for event indicators, or more: */
     double apart;   /* they are not farther from each other */
     size_t n_indicators;
+    double end;         /* of the run */
     bool watched;       /* somebody outside is to be told of each step */
     int64_t most_steps; /* from one row to the next */
 
@@ -44,7 +45,11 @@ typedef struct {
     double began, time; /* of the last step */
     double floor;       /* no component is brought to a time before this: that of an event */
     double length;      /* that the next step tries; 0: to be found */
-    double tried;       /* that the last step tried first; with `began` and `before` all that it takes to make it again */
+    /* From where a run that goes on for longer makes the same steps: the begin of the last step, or of the first that
+     * the end of the run cut short. */
+    double origin, tried; /* time, and `length` there */
+    double* at_origin;    /* (n) */
+    bool cut;
     double* before;     /* (n) at `began` */
     double* x;          /* (n) at `time` */
     double* trial;      /* (n) */
@@ -172,6 +177,7 @@ static int32_t accepted(Walk* w, double bound) {
         w->length = fmin(w->length, w->longest);
         if (w->length < shortest) return TOO_SHORT;
         const double end = fmin(w->began + w->length, bound), h = end - w->began;
+        if (end == w->end) w->cut = true;
         double error;
         if (!attempt(w, end, &error) || (error < 1 && !complete(w, end))) {
             w->length = 0.1 * h;
@@ -198,7 +204,11 @@ static int32_t accepted(Walk* w, double bound) {
 static int32_t step(Walk* w, double bound) {
     const size_t n = w->n;
     w->began = w->time;
-    w->tried = w->length;
+    if (!w->cut) {
+        w->origin = w->began;
+        w->tried = w->length;
+        memcpy(w->at_origin, w->x, n * sizeof(double));
+    }
     if (n == 0) {
         w->time = fmin(w->began + w->longest, bound);
         return 0;
@@ -333,8 +343,30 @@ EXPORT bool adcs_shorter(const Walk* from, Walk* to, double t) {
     memcpy(to->stages, from->stages, n * sizeof(double));
     to->began = from->began;
     to->length = from->length;
+    to->cut = from->cut;
+    to->origin = from->origin;
     to->tried = from->tried;
+    memcpy(to->at_origin, from->at_origin, n * sizeof(double));
     to->floor = from->floor;
     double error;
     return engine_end(to->flow, attempt(to, t, &error) && complete(to, t));
+}
+
+/* The right-hand side as CVODE calls it: `given` is what CVodeSetUserData was given. Positive: of this state there are no
+ * derivatives, but there may be of one nearer; negative: there will be none. */
+typedef struct {
+    Walk* walk;
+    double* (*values)(void* vector); /* N_VGetArrayPointer */
+    Failure failure;                 /* the last one, and the time it was of */
+    double failed_at;
+} RightHandSide;
+
+EXPORT int adcs_right_hand_side(double t, void* x, void* derivatives, void* given) {
+    RightHandSide* f = given;
+    Plan* plan = f->walk->flow;
+    engine_begin(plan);
+    if (engine_end(plan, slope(f->walk, t, f->values(x), f->values(derivatives)))) return 0;
+    f->failure = plan->failure;
+    f->failed_at = t;
+    return of_the_state(&f->failure) ? 1 : -1;
 }

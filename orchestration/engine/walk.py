@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestration.engine import Engine, library
+from orchestration.engine import Engine, Failure, library
 from orchestration.instances.instance import CallFailed
 from orchestration.plan.lowering import Floats
 from orchestration.process.where import Where
@@ -71,6 +71,7 @@ class _Walk(ctypes.Structure):
         ("looks", ctypes.c_double),
         ("apart", ctypes.c_double),
         ("n_indicators", ctypes.c_size_t),
+        ("end", ctypes.c_double),
         ("watched", ctypes.c_bool),
         ("most_steps", ctypes.c_int64),
         ("started", ctypes.c_bool),
@@ -79,7 +80,10 @@ class _Walk(ctypes.Structure):
         ("time", ctypes.c_double),
         ("floor", ctypes.c_double),
         ("length", ctypes.c_double),
+        ("origin", ctypes.c_double),
         ("tried", ctypes.c_double),
+        ("at_origin", ctypes.c_void_p),
+        ("cut", ctypes.c_bool),
         ("before", ctypes.c_void_p),
         ("x", ctypes.c_void_p),
         ("trial", ctypes.c_void_p),
@@ -90,6 +94,21 @@ class _Walk(ctypes.Structure):
         ("asked", ctypes.c_double),
         ("taken", ctypes.POINTER(Taken)),
     )
+
+
+class RightHandSide(ctypes.Structure):
+    """The right-hand side of a walk for CVODE; its last failure stays until it is forgotten."""
+
+    _fields_ = (
+        ("walk", ctypes.c_void_p),
+        ("values", ctypes.c_void_p),
+        ("failure", Failure),
+        ("failed_at", ctypes.c_double),
+    )
+
+    def forget(self) -> None:
+        """Note no failure."""
+        self.failure.reason = 0
 
 
 class _Output(ctypes.Structure):
@@ -143,8 +162,8 @@ class Walk:
 
     `flow` gives derivatives and event indicators, `rows` rows of `row_size` values. A step is to be looked at where one
     of `looks` times in it, or of more that are no more than `apart`, an event indicator has another sign than in
-    `indicators`, those at its begin; if `watched`, always.
-    `outside` brings what comes from outside to a time; `taken` counts, no more than `most_steps` from row to row.
+    `indicators`, those at its begin; if `watched`, always. `end` is that of the run. `outside` brings what comes from
+    outside to a time; `taken` counts, no more than `most_steps` from row to row.
     """
 
     def __init__(
@@ -161,6 +180,7 @@ class Walk:
         looks: int,
         apart: float,
         taken: Taken,
+        end: float,
         most_steps: int,
         watched: bool = False,
         outside: Callable[[float], None] | None = None,
@@ -169,6 +189,7 @@ class Walk:
         self._library = library()
         assert self._library.adcs_walk_size() == ctypes.sizeof(_Walk), "walk.c and its mirror in Python differ"
         self.tolerances = np.ones(n_states)
+        self._at_origin = np.zeros(n_states)
         self.x, self._before, self._trial = np.zeros(n_states), np.zeros(n_states), np.zeros(n_states)
         self._stages, self._extension = np.zeros((_EXTENDED, n_states)), np.zeros((_DEGREE, n_states))
         self._indicators, self._look = indicators, np.zeros_like(indicators)
@@ -187,6 +208,8 @@ class Walk:
             n_indicators=len(indicators),
             watched=watched,
             most_steps=most_steps,
+            at_origin=self._at_origin.ctypes.data,
+            end=end,
             before=self._before.ctypes.data,
             x=self.x.ctypes.data,
             trial=self._trial.ctypes.data,
@@ -218,17 +241,18 @@ class Walk:
         self._raw.floor = self._raw.time
 
     @property
-    def begin(self) -> tuple[float, Floats, float]:
-        """Time and state at which the last step began, and the length [s] it tried first: `restart` makes it again."""
-        raw = self._raw
-        return (raw.began, self._before, raw.tried) if raw.time > raw.began else (raw.time, self.x, raw.length)
+    def origin(self) -> tuple[float, Floats, float]:
+        """Time, state and length [s] with which `restart` makes the last steps again, and goes on as a longer run."""
+        return self._raw.origin, self._at_origin, self._raw.tried
 
     def restart(self, t: float, x: Floats, length: float = 0.0) -> None:
         """Go on from (t, x) with a step of this length (s); 0: one that is to be found."""
         self.x[:] = self._before[:] = x
         self._raw.began = self._raw.time = self._raw.floor = t
         self._raw.started = self._raw.extended = False
-        self._raw.length = length
+        self._raw.length = self._raw.tried = length
+        self._raw.origin, self._raw.cut = t, False
+        self._at_origin[:] = x
 
     def go(self, until: float, bound: float, rows: Rows) -> Outcome:
         """Go on to `until`, or until all rows are written, or there is something to be looked at in the last step.
@@ -262,6 +286,22 @@ class Walk:
         if not self._library.adcs_shorter(self._reference, other._reference, t):
             raise other._failed(self._flow)
         return other.x
+
+    def right_hand_side(self, values: Any) -> tuple[int, RightHandSide]:
+        """Return the address of the right-hand side for CVODE, and its user data, which has to be kept.
+
+        `values` is the function that returns the elements of one of its vectors.
+        """
+        address = ctypes.cast(self._library.adcs_right_hand_side, ctypes.c_void_p).value
+        assert address is not None
+        return address, RightHandSide(ctypes.addressof(self._raw), ctypes.cast(values, ctypes.c_void_p))
+
+    def failed(self, given: RightHandSide) -> CallFailed | None:
+        """Return the last failure of the right-hand side that is noted, or raise what a callback raised."""
+        if not given.failure.reason:
+            return None
+        self._flow.raw.failure, self._raw.asked = given.failure, given.failed_at
+        return self._failed(self._flow)
 
     def _bring(self, time: float) -> int:
         try:

@@ -43,8 +43,9 @@ def begin() -> None:
     Lock(_folder / ".alive").take()
     orphan.end_with_parent(lambda: _where.busy)
     Thread(target=_beat, args=(_folder / "pulse",), daemon=True, name="pulse").start()
-    with suppress(ImportError, OSError):
-        printed = _Printed(_folder / "printed")
+    if sys.platform != "win32":
+        with suppress(OSError):
+            printed = _Printed(_folder / "printed")
 
 
 def present() -> bool:
@@ -87,32 +88,34 @@ def end(code: int) -> None:
             (_folder / "done.part").replace(_folder / "done")
 
 
-class _Printed:
-    """What is written to descriptor 1 past Python goes to the standard error, so that `--json` stays JSON."""
+if sys.platform != "win32":  # there it is not looked after
 
-    def __init__(self, path: Path) -> None:
-        import fcntl
+    class _Printed:
+        """What is written to descriptor 1 past Python goes to the standard error, so that `--json` stays JSON."""
 
-        self._out = fcntl.fcntl(1, fcntl.F_DUPFD, _OUT_OF_THE_WAY)
-        self._path = path
-        file = os.open(path, _APPEND, 0o600)
-        self._file = fcntl.fcntl(file, fcntl.F_DUPFD_CLOEXEC, _OUT_OF_THE_WAY)
-        os.dup2(file, 1)
-        os.close(file)
-        sys.stdout = os.fdopen(self._out, "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)
-        self._flush = ctypes.CDLL(None).fflush
+        def __init__(self, path: Path) -> None:
+            import fcntl
 
-    def __call__(self) -> bool:
-        self._flush(None)
-        _reopen(self._file, self._path)
-        _reopen(self._out, self._path.with_name(SAID))
-        with suppress(OSError):
-            content = os.pread(self._file, _MOST, 0)
-            if content:
-                os.ftruncate(self._file, 0)
-                os.write(2, content)
-                return True
-        return False
+            self._out = fcntl.fcntl(1, fcntl.F_DUPFD, _OUT_OF_THE_WAY)
+            self._path = path
+            file = os.open(path, _APPEND, 0o600)
+            self._file = fcntl.fcntl(file, fcntl.F_DUPFD_CLOEXEC, _OUT_OF_THE_WAY)
+            os.dup2(file, 1)
+            os.close(file)
+            sys.stdout = os.fdopen(self._out, "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)
+            self._flush = ctypes.CDLL(None).fflush
+
+        def __call__(self) -> bool:
+            self._flush(None)
+            _reopen(self._file, self._path)
+            _reopen(self._out, self._path.with_name(SAID))
+            with suppress(OSError):
+                content = os.pread(self._file, _MOST, 0)
+                if content:
+                    os.ftruncate(self._file, 0)
+                    os.write(2, content)
+                    return True
+            return False
 
 
 def _reopen(number: int, path: Path) -> None:

@@ -7,6 +7,7 @@ import errno
 import locale
 import os
 import signal
+import sys
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -104,7 +105,7 @@ def _cwd() -> str:
 
 
 def _umask() -> int | None:
-    if os.name != "posix":
+    if sys.platform == "win32":  # has one, which nothing but this process's own files go by
         return None
     mask = os.umask(0o077)
     os.umask(mask)
@@ -155,7 +156,7 @@ class _Limits:
 
     def __init__(self) -> None:
         self._at_first: dict[str, tuple[int, tuple[int, int]]] = {}
-        with suppress(ImportError):  # of Windows
+        if sys.platform != "win32":  # which has none
             import resource
 
             self._get, self._set = resource.getrlimit, resource.setrlimit
@@ -164,7 +165,9 @@ class _Limits:
 
     def restore(self) -> list[tuple[str, bool]]:
         """Name what was changed, and whether that is undone."""
-        changed = []
+        changed: list[tuple[str, bool]] = []
+        if sys.platform == "win32":
+            return changed
         for name, (number, (soft, hard)) in self._at_first.items():
             if (now := self._get(number)) != (soft, hard):
                 try:
@@ -217,7 +220,7 @@ class _Standard:
 
     def __init__(self) -> None:
         self._copies: dict[int, int] = {}
-        if os.name != "posix":
+        if sys.platform == "win32":
             return
         import fcntl
 

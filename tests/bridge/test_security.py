@@ -154,6 +154,9 @@ def test_keys_from_files(tmp_path):
     file.write_text("")
     with pytest.raises(AdcsError, match="is empty"):
         Keyring.open(file)
+    file.write_bytes(b"\xff\xfe")
+    with pytest.raises(AdcsError, match="is no text"):
+        Keyring.open(file)
     with pytest.raises(AdcsError, match="cannot read the signing key"):
         Keyring.open(tmp_path / "none")
     (tmp_path / "times").write_text("{")

@@ -7,8 +7,9 @@ from lxml import etree
 
 import fmus
 from adcs import AdcsError, System
+from fmus.pack import _binaries
 from fmus.paths import BUILD, CHECKOUT
-from fmus.toolchain import compile_step, host, run_steps
+from fmus.toolchain import TARGETS, compile_step, host, run_steps, universal_binary
 
 FMUS = ["RigidBody.fmu", "RigidBody.fmi3.fmu", "StarTracker.fmu", "StarTracker.fmi3.fmu"]
 
@@ -150,3 +151,13 @@ def test_a_sensor_that_draws_under_the_name_of_another_is_refused(tmp_path):
     model.write_text(f"{include}namespace adcs {{ {copied} }}\nADCS_EXPORT(Compass)\n")
     with pytest.raises(AdcsError, match="stream has another component's name"):
         run_steps([compile_step(model, tmp_path / "model.o", host(), "-fsyntax-only")])
+
+
+def test_a_mac_of_either_kind_finds_its_library_once():
+    macs = [target for target in TARGETS if target.fmi2_folder == "darwin64"]
+    libraries = {target: bytes(4) + number.to_bytes(4, "little") * 2 for number, target in enumerate(macs, 1)}
+    (both,) = _binaries("X", "2.0", libraries).items()
+    assert both == ("binaries/darwin64/X.dylib", universal_binary(list(libraries.values())))
+    for target, library in libraries.items():
+        assert _binaries("X", "2.0", {target: library}) == {"binaries/darwin64/X.dylib": library}
+        assert f"binaries/{target.name}/X.dylib" in _binaries("X", "3.0", libraries)

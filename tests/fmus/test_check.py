@@ -272,7 +272,7 @@ def library(tmp_path, code, target=None, *flags):
     run_steps([made])
     plain = link_step([made.output], output, target)
     command = tuple(
-        argument for argument in plain.command if "version-script" not in argument and "defs" not in argument
+        argument for argument in plain.command if not any(of in argument for of in ("version-script", "defs", "rtlib"))
     )
     run_steps([type(plain)(output, command, plain.inputs)])
     return output.read_bytes()
@@ -320,6 +320,13 @@ def test_a_binary_for_another_machine(built):
     assert list(check_binary("binaries/linux64/x.so", b"nothing", "2.0")) == [
         "binaries/linux64/x.so is no shared library"
     ]
+
+
+@pytest.mark.parametrize("name", ["x86_64-darwin", "aarch64-darwin"])
+def test_a_library_for_one_kind_of_mac(tmp_path, name):
+    target = next(t for t in TARGETS if t.name == name)
+    content = library(tmp_path, all_functions("2.0"), target)
+    assert not [m for m in check_binary("binaries/darwin64/x.dylib", content, "2.0") if " is for " in m]
 
 
 def test_a_library_of_another_system(tmp_path):

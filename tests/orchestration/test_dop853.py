@@ -27,7 +27,7 @@ def pendulums(request, mock) -> System:
 
 
 def terms(rtol: float, longest: float = inf) -> Terms:
-    return Terms(rtol, 0.01 * rtol, longest, 0.0, 5, inf, np.empty(0))
+    return Terms(rtol, 0.01 * rtol, longest, 0.0, inf, 5, inf, np.empty(0))
 
 
 def steps_of(model: CoupledModel, rtol: float, stop: float, longest: float = inf) -> tuple[Dop853, list[float]]:

@@ -275,7 +275,8 @@ def _run(step: Step) -> None:
 def _dependencies(depfile: Path) -> list[Path]:
     text = depfile.read_text(encoding="utf-8").replace("\\\n", " ").split(": ", 1)[1]
     names = (re.sub(r"\\([ #])", r"\1", part).replace("$$", "$") for part in re.split(r"(?<!\\)\s+", text) if part)
-    paths = {Path(os.path.normpath(name)) for name in names}
+    # zig writes some names relative to where it is called
+    paths = {Path(os.path.normpath(Path.cwd() / name)) for name in names}
     return sorted(path for path in paths if not path.is_relative_to(zig().parent))  # those stand and fall with zig
 
 

@@ -11,9 +11,9 @@
 #define SAFETY 0.9
 #define LEAST 0.2 /* of a step's length, the next one's */
 #define MOST 10.0
-#define NEAR 1e-3 /* of a step, what its continuous extension gives beyond its ends as well */
+#define NEAR 1e-3        /* of a step, what its continuous extension gives beyond its ends as well */
 #define ROUNDING 0x1p-51 /* of a number, what is lost of it in an operation or two */
-#define RETRIES 12 /* of a step that leads out of the states that a component can take */
+#define RETRIES 12       /* of a step that leads out of the states that a component can take */
 
 /* How a walk ends. ROWS_FAILED: a call of the plan of the rows did. */
 enum { THERE, WRITTEN, LOOK, STOPPED, FAILED, ROWS_FAILED, TOO_SHORT, TOO_MANY };

@@ -12,6 +12,7 @@ from fmus.toolchain import (
     link_step,
     run_steps,
     universal_binary,
+    zig,
 )
 
 
@@ -38,6 +39,13 @@ def test_compiles_once(project):
 
 
 def test_knows_what_was_included(project):
+    run_steps([step(project)])
+    assert included_files(step(project)) == [project / "main.cpp", project / "size.hpp"]
+
+
+def test_the_files_of_the_compiler_are_known_wherever_it_is_called(project, monkeypatch):
+    (project / "size.hpp").write_text("#include <float.h>\nconstexpr int size = FLT_RADIX;\n")
+    monkeypatch.chdir(zig().parent.parent)  # from where it names some of its files by relative paths
     run_steps([step(project)])
     assert included_files(step(project)) == [project / "main.cpp", project / "size.hpp"]
 

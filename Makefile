@@ -94,6 +94,7 @@ bench: $(VENV)/installed-dev
 	$(BIN)/python -m benchmarks.elementary
 	$(BIN)/python -m benchmarks.ring
 	$(BIN)/python -m benchmarks.backstepping
+	$(BIN)/python -m benchmarks.coupled
 	$(BIN)/python -m benchmarks.lockstep
 	$(BIN)/python -m benchmarks.mavlink
 	$(BIN)/python -m benchmarks.isolation

@@ -36,6 +36,7 @@ class Account:
         if unknown := [type(hook).__name__ for hook in hooks if not hook.repeatable]:
             self.manifest["watchers"] = unknown
         self._began: tuple[float, float] | None = None  # wall and CPU time [s]
+        self._ended: tuple[float, float] | None = None
         self._driver: Driver | None = None
         self._recording.begin(grid, self.manifest, outline.first, outline.save.every)
 
@@ -46,6 +47,7 @@ class Account:
 
     def end(self) -> None:
         """Note what everyone has to report, before the components are gone."""
+        self._ended = time.perf_counter(), time.process_time()
         assert self._driver is not None
         simulation, told = self._driver.simulation, self._driver.report()
         simulation.notes += [
@@ -103,10 +105,10 @@ class Account:
         return result
 
     def _timing(self, times: Floats) -> dict[str, float | None]:
-        """Wall and CPU time of the run proper, without opening and initialising."""
-        if self._began is None:
+        """Wall and CPU time of the run proper, without opening, initialising and closing."""
+        if self._began is None or self._ended is None:
             return {}
-        wall, cpu = time.perf_counter() - self._began[0], time.process_time() - self._began[1]
+        wall, cpu = (ended - began for began, ended in zip(self._began, self._ended, strict=True))
         simulated = float(times[-1] - times[0]) if len(times) else 0.0
         per_cpu = simulated / cpu if cpu > 0 else None
         return {"wall_s": wall, "cpu_s": cpu, "simulated_s": simulated, "simulated_s_per_cpu_s": per_cpu}

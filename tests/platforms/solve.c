@@ -1,5 +1,5 @@
-/* Solves a system as one differential equation with the engine and with the binaries of FMUs, as Python does, and prints
- * a digest of all rows, and the bits of the last one: on two platforms the same, or they do not compute the same.
+/* Solves a system as one differential equation with the engine and with the binaries of FMUs, as Python does. Prints a
+ * digest of all rows, and the bits of the last one: on two platforms the same, or they do not compute the same.
  *
  * solve BINARY...   of each component, in the order of system.h, which solve_program.py writes */
 #include <stdio.h>

@@ -70,7 +70,7 @@ def _loaded(path: Path) -> ModuleType:
     module = module_from_spec(spec)
     sys.modules[name] = module  # where dataclasses and pickle look for it
     # not by its loader, whose compiled copy counts as new for a second if the size has stayed
-    _told(path, lambda: exec(compile(path.read_bytes(), path, "exec"), vars(module)))
+    _told(path, lambda: exec(compile(path.read_bytes(), path, "exec", dont_inherit=True), vars(module)))
     return module
 
 

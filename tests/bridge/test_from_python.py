@@ -14,7 +14,8 @@ def test_it_takes_part_in_a_run():
     assert endpoint["endpoint"] == "udpout:127.0.0.1:24550"
     assert endpoint["sent"] > 20
     assert result.manifest["watchers"] == ["Bridge"]
-    assert adcs.run("observer-pd", stop_time="1s") == result
+    assert result.manifest["chosen"] == {"method": "co-simulation", "because": "it keeps to the clock"}
+    assert adcs.run("observer-pd", stop_time="1s", method=adcs.CoSimulation()) == result
 
 
 def test_what_is_allowed_rewires_the_system():

@@ -107,7 +107,10 @@ class CoupledModel:
             self._sets = [call for call in self._at_events.calls if call.kind == "set"]
             self._sets += [call for loop in self._at_events.loops for call in loop.sets]
             self._propagate = self._bind(self._at_events, solver).propagate
-            between = [lower(continuous, names, external=flowing) for names in ((), recording.names)]
+            between = (
+                lower(continuous, external=flowing),
+                lower(continuous, recording.names, external=flowing).only_read(),
+            )
             self._flowing = [plan.signals[: plan.n_external] for plan in between]
             self._derivatives, self._outputs = (self._bind(plan, solver) for plan in between)
             self.state_names = [f"{name}.{state}" for name, fmu in fmus.items() for state in fmu.states]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -82,6 +82,19 @@ class Plan:
     delays: tuple[Delay, ...] = ()
     n_external: int = 0
     every: Mapping[str, int] = field(default_factory=dict)
+
+    def only_read(self) -> Plan:
+        """Return it without the calls that set what none of its later ones reads, for who wants the row alone."""
+        kept: list[Call] = []
+        read: set[str] = set()
+        for call in reversed(self.calls):
+            if call.kind != "set" or call.component in read:
+                kept.append(call)
+            if call.kind == "solve":
+                read |= {get.component for get in self.loops[call.loop].gets}
+            elif call.kind == "get":
+                read.add(call.component)
+        return replace(self, calls=tuple(reversed(kept)))
 
 
 def make_plan(

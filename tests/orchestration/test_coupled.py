@@ -205,3 +205,13 @@ def test_a_diverging_state_ends_with_its_time(mock):
         run(system, stop_time=10, step=0.1, method=ME)
     assert "\n" not in str(error.value)
     assert 0.0 < len(error.value.result.time) < 100
+
+
+def test_a_row_sets_only_what_it_reads_and_derivatives_set_all(chain):
+    def sets_and_gets(engine):
+        return [(call.kind, call.component) for call in engine._plan.calls]
+
+    with CoupledModel(chain(), record=["gain.y"]) as model:
+        assert ("set", "integrator") in sets_and_gets(model._derivatives)
+        assert sets_and_gets(model._outputs) == [("get", "source"), ("set", "gain"), ("get", "gain")]
+        assert model.outputs(0.5, model.x0)["gain.y"][0] == 3.0  # 2 (1 + t)

@@ -7,6 +7,7 @@ import logging
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from itertools import product
@@ -266,10 +267,33 @@ def is_path(source: str | Path) -> bool:
     return Path(source).suffix == ".fmu" or is_header(source)
 
 
+_found: ContextVar[dict[tuple[str, FmiVersion], Path] | None] = ContextVar("found", default=None)
+
+
+@contextmanager
+def found_once() -> Iterator[None]:
+    """Within it, what a component's FMU is made of is looked at once, however often it is asked for."""
+    token = _found.set({})
+    try:
+        yield
+    finally:
+        _found.reset(token)
+
+
 def locate(name: str | Path, version: FmiVersion = "2.0") -> Path:
     """Find the file of an FMU: a path that ends in `.fmu`, or that of a component, which is built if need be."""
     if Path(name).suffix == ".fmu":
         return Path(name)
+    found = _found.get()
+    if found is None:
+        return _component(name, version)
+    key = str(name), version
+    if key not in found:
+        found[key] = _component(name, version)
+    return found[key]
+
+
+def _component(name: str | Path, version: FmiVersion) -> Path:
     ready = ready_made(str(name), version)
     if ready is not None:
         return ready

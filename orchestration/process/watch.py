@@ -5,6 +5,8 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from contextlib import suppress
+from contextvars import copy_context
+from functools import partial
 from math import inf
 from threading import Event, Thread
 from time import monotonic
@@ -52,7 +54,7 @@ class Watched:
         within the work, which is pure Python, instead of `stop` being called.
         """
         doing = doing or self._doing
-        self._work, self._error = work, None
+        self._work, self._error = partial(copy_context().run, work), None
         self._done.clear()
         self._wanted.set()
         seen, since = doing(), monotonic()

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from orchestration.engine import ThreadControl
 from orchestration.expected import choice
-from orchestration.fmu.file import FmiVersion
+from orchestration.fmu.file import FmiVersion, found_once
 from orchestration.grid import Grid
 from orchestration.instances.life import watched_life
 from orchestration.isolation.apart import run_apart
@@ -31,6 +31,7 @@ from orchestration.system import System
 from orchestration.times import Seconds
 
 
+@found_once()
 def run(
     system: System | str | Path,
     *,

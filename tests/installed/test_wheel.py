@@ -39,7 +39,7 @@ def test_it_is_small(installed):
 def test_a_system_runs_at_once_with_its_key_numbers(installed, first_run):
     numbers = {number["label"]: number["value"] for number in first_run["key_numbers"]}
     assert first_run["outcome"]["status"] == "complete"
-    assert numbers["Largest torque"] == pytest.approx(11.89, abs=0.005)
+    assert numbers["Largest torque"] == pytest.approx(12.012, abs=0.0005)
     assert numbers["Attitude tracking error converged"] == pytest.approx(42.35, abs=0.005)
     assert numbers["Rate estimation error at the end"] == pytest.approx(4.04e-6, rel=1e-3)
     folder = installed.home / "results" / "observer-pd"
@@ -101,7 +101,7 @@ def test_fmus_are_small(installed, models, tmp_path):
         installed.measured.add(f"{pattern}, five platforms", sizes[pattern], "kB", aim=520)
         its = [size for name, size in sizes.items() if name.endswith(".fmi3.fmu") == (standard == "FMI 3.0")]
         assert sorted(its)[len(its) // 2] <= 520
-        assert max(its) <= 580
+        assert max(its) <= 600
         installed.measured.add(f"largest of {standard}, five platforms", max(its), "kB", aim=520)
 
 

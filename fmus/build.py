@@ -15,7 +15,7 @@ from fmus.carried import carried_description
 from fmus.catalog import Component
 from fmus.describe import Description, Misdeclared, described, parse
 from fmus.errors import AdcsError
-from fmus.files import digest, write_atomically
+from fmus.files import digest, make_folder, write_atomically
 from fmus.lock import Lock
 from fmus.mistakes import from_compiler, from_declaration
 from fmus.pack import FILE_NAMES, Parts, is_own, licences, pack
@@ -68,10 +68,15 @@ def build(
             for path in plan.pack(plan.component.home or dist):
                 count(path.name)
                 built.append(path)
-    if not names:
-        for deleted in freshness.recorded(dist) - set(built):
-            freshness.forget(deleted)
+    for deleted in freshness.recorded(dist) - set(built) if not names else _orphans(names):
+        freshness.forget(deleted)
     return built
+
+
+def _orphans(names: Iterable[str]) -> list[Path]:
+    """The FMUs in the folders among these names whose headers are gone."""
+    folders = [Path(name) for name in names if Path(name).is_dir()]
+    return [fmu for folder in folders for fmu in freshness.recorded(folder) if freshness.orphaned(fmu)]
 
 
 def parts(
@@ -134,7 +139,7 @@ def describe(name: str, work: Path = BUILD) -> Description:
 @contextmanager
 def _alone_in(work: Path) -> Iterator[None]:
     """Let no other process build there meanwhile: what it made is up to date then."""
-    work.mkdir(parents=True, exist_ok=True)
+    make_folder(work)
     lock = Lock(work / ".building")
     told = False
     while not lock.take():

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Literal
 
 from fmus.errors import AdcsError
+from fmus.freshness import orphaned
 from fmus.packages import GROUP, component_files, points, warn_once
 from fmus.paths import BUILD, SOURCES
 from fmus.spelling import close
@@ -109,7 +110,7 @@ def is_header(name: str | Path) -> bool:
 
 def from_header(path: Path) -> Component:
     """The component that a header from anywhere declares; AdcsError in one line if it declares none."""
-    header = path.absolute()
+    header = Path(os.path.abspath(path))  # noqa: PTH100  without `..`, as the compiler names what it includes
     if not header.is_file():
         raise AdcsError(f"{path} is no file")
     if not re.fullmatch(FILE_NAME, header.stem):
@@ -156,6 +157,8 @@ def brought(asked: str | None = None) -> dict[str, Brought]:
     for path, package in component_files(quiet=asked in own):
         header = path if is_header(path) else None
         if header is not None and "declare(" not in header.read_text(encoding="utf-8", errors="replace"):
+            continue
+        if header is None and orphaned(path):
             continue
         name = path.name.partition(".")[0] if header is None else struct_name(path.stem)
         known = found.get(name, Brought(name, package))

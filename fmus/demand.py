@@ -10,10 +10,11 @@ from zipfile import ZipFile
 from fmus import freshness, paths, toolchain
 from fmus.build import build
 from fmus.carried import carried_parts
-from fmus.catalog import Component, brought, find, is_header
+from fmus.catalog import Component, brought, find, is_header, struct_name
 from fmus.errors import AdcsError, Failed
 from fmus.files import write_atomically
 from fmus.pack import FILE_NAMES, is_own, pack
+from fmus.packages import warn_once
 
 _log = logging.getLogger("adcs")
 
@@ -54,8 +55,21 @@ def came_with(component: Component, fmi_version: str) -> Path | None:
     if component.root is None:
         return None
     path = component.header.parent / FILE_NAMES[fmi_version].format(component.name)
-    built_here = path in freshness.recorded(path.parent)
+    record = freshness.read_record(path)
+    built_here = record is not None and str(component.header) in record.sources
     return None if built_here or not path.is_file() or not _is_of(path, component, component.root) else path
+
+
+def warn_if_old(fmu: Path) -> None:
+    """Say so if a file that is asked for by its own path is not what would be built of the header beside it now."""
+    record = freshness.read_record(fmu) if fmu in freshness.recorded(fmu.parent) else None
+    headers = [Path(n) for n in record.sources if is_header(n) and Path(n).is_absolute()] if record is not None else []
+    for header in headers:
+        if header.parent != fmu.parent.absolute() or struct_name(header.stem) != fmu.name.partition(".")[0]:
+            continue
+        why = freshness.outdated(fmu, toolchain.host().name, "", str(header))
+        if why is not None:
+            warn_once(f"{fmu} {why}, and is taken as it is: {header.name} in its place is built when it is asked for")
 
 
 def _is_of(fmu: Path, component: Component, root: Path) -> bool:

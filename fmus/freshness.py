@@ -68,6 +68,13 @@ def recorded(dist: Path) -> set[Path]:
     return {dist / place.stem for place in (dist / _PLACE).glob("*.json")}
 
 
+def orphaned(fmu: Path) -> bool:
+    """Whether an FMU was built of a header beside it that is gone."""
+    record = read_record(fmu)
+    beside = [Path(n) for n in record.sources if Path(n).parent == fmu.parent.absolute()] if record is not None else []
+    return bool(beside) and not any(header.is_file() for header in beside)
+
+
 def forget(fmu: Path) -> None:
     """Remove an FMU and its record."""
     fmu.unlink(missing_ok=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import traceback
 from collections.abc import Callable
@@ -11,7 +12,7 @@ from importlib.util import module_from_spec, spec_from_file_location
 from inspect import Parameter, isasyncgenfunction, iscoroutinefunction, isfunction, signature
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, get_args
 
 from fmus.errors import AdcsError, shown
 from fmus.spelling import close
@@ -134,11 +135,11 @@ def _says(function: Callable[..., Any]) -> bool | None:
     said = function.__annotations__.get("return", Parameter.empty)
     if said is Parameter.empty or said is Any or said == "Any":
         return None
+    if isinstance(said, str):  # in quotes, or after `from __future__`
+        said = function.__globals__.get(said.strip("'\""), said)
     if isinstance(said, str):
-        said = function.__globals__.get(said, said)  # as they are after `from __future__`
-    if isinstance(said, str):
-        return said.rpartition(".")[2] == System.__name__
-    return isinstance(said, type) and issubclass(said, System)
+        return re.search(rf"\b{System.__name__}\b", said) is not None
+    return any(isinstance(each, type) and issubclass(each, System) for each in get_args(said) or (said,))
 
 
 def _itself(system: System) -> System:

@@ -6,6 +6,7 @@ import ast
 import logging
 import sys
 from importlib import metadata
+from io import TextIOWrapper
 from pathlib import Path
 
 from cyclopts import App, CycloptsError
@@ -65,6 +66,9 @@ app = _commands()
 def main() -> None:
     """Run the command line; what is refused becomes one line and exit code 2, what fails one line and exit code 1."""
     arguments = sys.argv[1:]
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # what its encoding has not is no reason to fail
+            stream.reconfigure(errors="replace")
     logging.basicConfig(format="%(message)s")
     logging.getLogger("adcs").setLevel(logging.INFO)  # what is built, which takes a while
     try:

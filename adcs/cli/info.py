@@ -17,8 +17,9 @@ from adcs.cli.command import at_work, command
 from adcs.cli.printing import ERR, OUT, Json, print_json
 from fmus.build import describe
 from fmus.catalog import Component
-from fmus.demand import ready_made
+from fmus.demand import fmu_path, ready_made
 from fmus.describe import Variable
+from fmus.toolchain import is_installed
 from orchestration.fmu.file import Fmu, Port, open_fmu
 from orchestration.ssp.names import is_ssp
 from orchestration.system import System
@@ -45,8 +46,11 @@ def info(
         entry = find_system(name)
         facts = _parts(entry.build(), entry.start_time, entry.stop_time, entry.step)
     else:
-        _show_component(find_component(name), as_json)
-        return
+        component = find_component(name)
+        if is_installed() or not component.outside:
+            _show_component(component, as_json)
+            return
+        facts = _fmu(open_fmu(fmu_path(component.source)))  # it says less, and can be asked without a compiler
     if as_json:
         print_json(facts)
     else:

@@ -16,7 +16,7 @@ import numpy as np
 
 from fmus import toolchain
 from fmus.carried import compiled
-from fmus.files import write_atomically
+from fmus.files import make_folder, write_atomically
 from fmus.paths import BUILD
 from orchestration.instances.instance import CallFailed, EndRequested, Instance
 from orchestration.plan.lowering import Call, Floats, Plan
@@ -427,7 +427,7 @@ def library_for(target: toolchain.Target) -> Path:
     if carried is not None:
         write_atomically(output, carried)
         return output
-    output.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(output.parent)
     with TemporaryDirectory(dir=output.parent) as folder:  # several processes may build it at once
         made = Path(folder) / output.name
         command = ("cc", *flags, *toolchain.own_name(output, target), *map(str, _SOURCES), "-o", str(made))

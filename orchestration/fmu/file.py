@@ -20,7 +20,7 @@ from fmpy.model_description import ModelDescription, ModelVariable, ValidationEr
 
 from fmus.archive import LARGEST_XML, Archive
 from fmus.catalog import find, is_header
-from fmus.demand import fmu_path, ready_made
+from fmus.demand import fmu_path, ready_made, warn_if_old
 from fmus.errors import AdcsError, Unsupported, shown
 from fmus.readable import read_model
 from fmus.references import unresolved
@@ -283,6 +283,7 @@ def found_once() -> Iterator[None]:
 def locate(name: str | Path, version: FmiVersion = "2.0") -> Path:
     """Find the file of an FMU: a path that ends in `.fmu`, or that of a component, which is built if need be."""
     if Path(name).suffix == ".fmu":
+        warn_if_old(Path(name))
         return Path(name)
     found = _found.get()
     if found is None:
@@ -300,7 +301,8 @@ def _component(name: str | Path, version: FmiVersion) -> Path:
     try:
         find(str(name))
     except AdcsError as error:
-        raise AdcsError(f"{error}, or give the path of an .fmu") from None
+        joined = " Or" if str(error).endswith("?") else ", or"
+        raise AdcsError(f"{error}{joined} give the path of an .fmu") from None
     return fmu_path(str(name), version)
 
 

@@ -153,6 +153,52 @@ def test_a_copied_folder_is_not_judged_by_the_original(project: Path, tmp_path: 
     assert adcs.run(system, stop_time=1, step=1)["law.torque_B"][0, 0] == -10.0
 
 
+def test_a_copied_folder_needs_no_compiler(project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The records that were copied with it are of headers in another folder."""
+    adcs.build([str(project / "rate_law.hpp")])
+    shutil.copytree(project, tmp_path / "copy")
+    monkeypatch.setattr("fmus.toolchain.is_installed", lambda: False)
+    assert adcs.run(tmp_path / "copy" / "rate_law.hpp", stop_time=1, step=1)["RateLaw.torque_B"].shape == (2, 3)
+
+
+def test_a_header_of_a_neighbouring_folder(project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("laws", "missions"):
+        (tmp_path / name).mkdir()
+    shutil.copy(project / "rate_law.hpp", tmp_path / "laws")
+    monkeypatch.chdir(tmp_path / "missions")
+    built = adcs.build(["../laws/rate_law.hpp"])
+    assert built == adcs.build([str(tmp_path / "laws" / "rate_law.hpp")])
+    system = adcs.System("alone")
+    system.add("law", "../laws/rate_law.hpp", {"omega_BN_B": [1.0, 0.0, 0.0]})
+    assert adcs.run(system, stop_time=1, step=1)["law.torque_B"][0, 0] == -1.0
+
+
+def test_the_fmu_of_a_changed_header_is_told_where_it_is_asked_for_by_its_own_path(
+    project: Path, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    shutil.copy(project / "rate_law.hpp", tmp_path)
+    fmu, _ = adcs.build([str(tmp_path / "rate_law.hpp")])
+    adcs.run(fmu, stop_time=1, step=1)
+    assert not caplog.messages
+    with (tmp_path / "rate_law.hpp").open("a") as header:
+        header.write("// changed\n")
+    adcs.run(fmu, stop_time=1, step=1)
+    assert caplog.messages == [
+        f"{fmu} was built from another {tmp_path / 'rate_law.hpp'}, and is taken as it is: rate_law.hpp in its place "
+        "is built when it is asked for"
+    ]
+
+
+def test_the_fmus_of_a_deleted_header_go_when_its_folder_is_built(project: Path, tmp_path: Path) -> None:
+    for name in ("one_law", "two_law"):
+        text = (project / "rate_law.hpp").read_text().replace("RateLaw", catalog.struct_name(name))
+        (tmp_path / f"{name}.hpp").write_text(text)
+    adcs.build([str(tmp_path)])
+    (tmp_path / "two_law.hpp").unlink()
+    adcs.build([str(tmp_path)])
+    assert sorted(path.name for path in tmp_path.glob("*.fmu")) == ["OneLaw.fmi3.fmu", "OneLaw.fmu"]
+
+
 def test_what_is_included_from_elsewhere_is_refused(project: Path, tmp_path: Path) -> None:
     (tmp_path / "gain.hpp").write_text("#pragma once\n")
     (tmp_path / "laws").mkdir()

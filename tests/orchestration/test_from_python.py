@@ -146,6 +146,18 @@ def _made(): return adcs.System("other")
 """
 
 
+@pytest.mark.parametrize(
+    "said", ["adcs.System", "'adcs.System'", "'System'", "adcs.System | None", "'System | None'", "Optional[System]"]
+)
+@pytest.mark.parametrize("later", ["", "from __future__ import annotations\n"])
+def test_what_says_that_it_returns_a_system(file, said, later):
+    imports = "import adcs\nfrom adcs import System\nfrom typing import Optional\n"
+    makes = "adcs.System('mission', stop_time=1, step=1)"
+    text = f"{later}{imports}def helper(): return 1\ndef mission() -> {said}: return {makes}\n"
+    with pytest.raises(adcs.AdcsError, match=r"^system 'mission' has no component"):
+        adcs.run(file(text))
+
+
 @pytest.mark.parametrize("kind", ["->", "'->'", "one"])
 def test_helpers_are_no_systems(file, kind):
     made = "    return adcs.System('mission', stop_time=1, step=1)\n"

@@ -161,6 +161,14 @@ def test_a_copied_folder_needs_no_compiler(project: Path, tmp_path: Path, monkey
     assert adcs.run(tmp_path / "copy" / "rate_law.hpp", stop_time=1, step=1)["RateLaw.torque_B"].shape == (2, 3)
 
 
+def test_what_it_has_is_shown_without_a_compiler(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    adcs.build([str(project / "rate_law.hpp")])
+    monkeypatch.setattr("fmus.toolchain.is_installed", lambda: False)
+    monkeypatch.setattr("adcs.cli.info.is_installed", lambda: False)
+    ended = invoke(app.app, ["info", str(project / "rate_law.hpp"), "--json"])
+    assert json.loads(ended.stdout)["name"] == "RateLaw"
+
+
 def test_a_header_of_a_neighbouring_folder(project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("laws", "missions"):
         (tmp_path / name).mkdir()

@@ -2,6 +2,7 @@ import lief
 import pytest
 
 from adcs import AdcsError
+from fmus.files import make_folder
 from fmus.toolchain import (
     TARGETS,
     compile_step,
@@ -141,3 +142,12 @@ def test_an_unknown_machine_is_named(monkeypatch):
     monkeypatch.setattr("fmus.toolchain.platform.machine", lambda: "riscv64")
     with pytest.raises(AdcsError, match="this machine, riscv64-"):
         host()
+
+
+def test_a_folder_that_cannot_be_made_is_one_line_with_the_way_out(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(
+        AdcsError, match=r"file/cache: Not a directory: set XDG_CACHE_HOME to a folder for it$"
+    ) as error:
+        make_folder(tmp_path / "file" / "cache")
+    assert error.value.failed

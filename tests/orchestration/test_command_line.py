@@ -312,3 +312,13 @@ def test_export_takes_its_file_by_out_as_well(tmp_path, monkeypatch, capsys):
     assert adcs("export", "full-state-pd", "--out", "here.ssp") == 0
     assert capsys.readouterr().out.startswith("here.ssp: 4 components, 7 connections")
     assert [file.name for file in tmp_path.iterdir()] == ["here.ssp"]
+
+
+def test_an_encoding_without_our_signs_is_no_reason_to_fail(tmp_path):
+    ran = subprocess.run(
+        [*ADCS, "run", "observer-pd", "--stop", "1", "--no-report", "--out", tmp_path],
+        capture_output=True,
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[2]), "PYTHONIOENCODING": "ascii"},
+    )
+    assert ran.returncode == 0, ran.stderr
+    assert b"Largest torque" in ran.stdout

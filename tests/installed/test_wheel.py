@@ -41,7 +41,7 @@ def test_a_system_runs_at_once_with_its_key_numbers(installed, first_run):
     assert first_run["outcome"]["status"] == "complete"
     assert numbers["Largest torque"] == pytest.approx(12.012, abs=0.0005)
     assert numbers["Attitude tracking error converged"] == pytest.approx(42.5, abs=0.005)
-    assert numbers["Rate estimation error at the end"] == pytest.approx(4.04e-6, rel=1e-3)
+    assert numbers["Rate estimation error at the end"] == pytest.approx(1.578e-9, rel=1e-3)
     folder = installed.home / "results" / "observer-pd"
     assert sorted(path.name for path in folder.iterdir()) == [
         "manifest.json",

@@ -262,8 +262,9 @@ private:
         calls += static_cast<long>(statuses.size() + size);
     }
 
-    static int expect(int status) {
-        require(status == 0 || status == 3, "a status that no call has");
+    int expect(int status) {
+        // 2, discard, is of a state at which a law has no values, which an integrator has tried
+        require(status == 0 || status == 3 || (status == 2 && !tool_.cosim()), "a status that no call has");
         succeeded += status == 0 ? 1 : 0;
         return status;
     }

@@ -152,7 +152,7 @@ def test_a_component_that_there_is_not():
 
 def test_a_component_that_is_misspelt():
     with pytest.raises(
-        AdcsError, match=r"no component is called RigidBdy: did you mean RigidBody or OrbitingBody\?, or give"
+        AdcsError, match=r"no component is called RigidBdy: did you mean RigidBody or OrbitingBody\? Or give"
     ):
         System("s").add("p", "RigidBdy")
 

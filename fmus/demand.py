@@ -62,7 +62,7 @@ def came_with(component: Component, fmi_version: str) -> Path | None:
 
 def warn_if_old(fmu: Path) -> None:
     """Say so if a file that is asked for by its own path is not what would be built of the header beside it now."""
-    record = freshness.read_record(fmu) if fmu in freshness.recorded(fmu.parent) else None
+    record = freshness.read_record(fmu)
     headers = [Path(n) for n in record.sources if is_header(n) and Path(n).is_absolute()] if record is not None else []
     for header in headers:
         if header.parent != fmu.parent.absolute() or struct_name(header.stem) != fmu.name.partition(".")[0]:

@@ -26,7 +26,6 @@ class CVode:
         self._looks = len(terms.indicators) > 0 or model.watched
         self._solver: Any = None
         self._stopped = False
-        self._since, self._row = 0, 0.0
         self.taken = Taken()
         self.began = self.time = 0.0
         self.x: Floats = np.empty(0)
@@ -48,8 +47,8 @@ class CVode:
 
     def restart(self, t: float, x: Floats, length: float = 0.0) -> None:
         """Go on from (t, x), with what was learned before forgotten."""
-        if self._since == 0:
-            self._row = t
+        if self.taken.since == 0:
+            self.taken.row = t
         self.began = self.time = self._floor = t
         self.x = self._begin = x.copy()
         self._anew = True
@@ -58,15 +57,15 @@ class CVode:
         """Go on; see Integrator."""
         while True:
             while rows.next < self.covered:
-                self._row, self._since = rows.next, 0
+                self.taken.row, self.taken.since = rows.next, 0
                 rows.take(self._take)
             if (len(rows.times) and rows.next == np.inf) or self.time >= until:
                 return False
             if self._stopped:
                 raise KeyboardInterrupt
-            self._since += 1
-            if self._since > integrators.MOST_STEPS:
-                raise too_many("CVode", self._row, self.time, min(rows.next, bound))
+            self.taken.since += 1
+            if self.taken.since > integrators.MOST_STEPS:
+                raise too_many("CVode", self.taken.row, self.time, min(rows.next, bound))
             self._step(bound)
             if self._looks:
                 return True

@@ -38,23 +38,21 @@ class Solution:
         model: CoupledModel,
         start: float,
         instant: float,
-        solver: SolverName = "DOP853",
-        rtol: float = 1e-10,
-        atol: float = 1e-12,
+        solver: SolverName,
+        rtol: float,
+        atol: float,
         *,
         end: float = inf,
         longest: float = inf,
         apart: float = inf,
     ) -> None:
         self._model = model
-        self._instant, self._end = instant, end
         self._events: deque[float] = deque(maxlen=_CHATTER)
         self._z: Floats = np.zeros(model.n_indicators)  # event indicators at the last event or accepted step
-        terms = Terms(rtol, atol, longest, instant, end, LOOKS, apart, self._z)
-        self._terms = terms
+        self._terms = Terms(rtol, atol, longest, instant, end, LOOKS, apart, self._z)
         # without states there is nothing that CVODE could do
         kind = CVode if solver == "CVode" and model.state_names else Dop853
-        self._integrator: Integrator = kind(model, terms)
+        self._integrator: Integrator = kind(model, self._terms)
         self._counted, self._last = 0, ""  # events, and whose the last was
         self._due: tuple[str, str] | None = None  # whose event is to be handled at the end of the last step, and why
         self._restart(start, model.x0)
@@ -98,7 +96,7 @@ class Solution:
         none = no_rows(len(self.x))
         start, counted = self.time, self._counted
         while self._model.ended is None and not point < self._integrator.covered:
-            if not self._go_on(none, point + 2 * self._instant):
+            if not self._go_on(none, point + 2 * self._terms.instant):
                 break
             self._bound_events(self._counted - counted, start, point)
         if self._model.ended is None and point < self._integrator.covered:
@@ -130,11 +128,11 @@ class Solution:
             due, self._due = self._due, None
             self._event(*due)
             return True
-        bound = min(model.next_event, self._end)
+        bound = min(model.next_event, self._terms.end)
         if time >= bound:
             if not self._imminent():
                 return False
-            bound = min(time + self._instant, model.next_event)
+            bound = min(time + self._terms.instant, model.next_event)
         if self._integrator.go(min(until, bound), bound, rows):
             self._due = self._crossing() if model.n_indicators else None
             self._told = not model.watched
@@ -187,10 +185,10 @@ class Solution:
 
     def _imminent(self) -> bool:
         """Whether a state event happens within the next instant."""
-        if not self._model.n_indicators or self.time + self._instant <= self.time:
+        if not self._model.n_indicators or self.time + self._terms.instant <= self.time:
             return False
-        ahead = self.x + self._instant * self._model.rhs(self.time, self.x)
-        z = self._model.indicators(self.time + self._instant, ahead)
+        ahead = self.x + self._terms.instant * self._model.rhs(self.time, self.x)
+        z = self._model.indicators(self.time + self._terms.instant, ahead)
         return bool(np.any((z > 0) != (self._z > 0)))
 
     def _event(self, component: str, kind: str) -> None:
@@ -210,7 +208,7 @@ class Solution:
             return
         self._restart(time, after)
         span = time - self._events[0] if len(self._events) == _CHATTER else np.inf
-        if span <= max(self._instant, 1e3 * float(np.spacing(abs(time)))):
+        if span <= max(self._terms.instant, 1e3 * float(np.spacing(abs(time)))):
             with failing_at(time):
                 raise CallFailed(
                     component,

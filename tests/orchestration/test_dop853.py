@@ -109,7 +109,7 @@ def test_a_system_follows_scipy(name):
     """The state after 20 s, from derivatives through Python and SciPy's steps, at tolerances of equal size."""
     system = systems()[name].build()
     with CoupledModel(system) as model:
-        solution = Solution(model, 0.0, 1e-9, rtol=1e-12, atol=1e-14)
+        solution = Solution(model, 0.0, 1e-9, "DOP853", rtol=1e-12, atol=1e-14)
         solution.reach(20.0)
         solver = DOP853(model.rhs, 0.0, model.x0, 20.0, rtol=1e-12, atol=1e-14 * model.nominals)
         while solver.status == "running":

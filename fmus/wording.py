@@ -59,7 +59,7 @@ def _offered(file: str, pattern: str) -> tuple[str, ...]:
 
 def _unknown(found: re.Match[str], about: _About) -> str:
     name = found["name"]
-    if name in ("unit", "Vec3", "Mat3", "Quat", "SampleTimes"):
+    if name in ("unit", "Vec3", "Mat3", "Quat", "Sample"):
         return f"{name} is not known here (namespace adcs {{ ... }} has to be around the struct)"
     if name in FUNCTIONS:
         return f"there is no {name} for T: {advice(f'std::{name}')}"
@@ -79,7 +79,9 @@ def _no_member(found: re.Match[str], about: _About) -> str:
     if name == about.component:
         return f"struct {name} is not in the project's namespace (namespace adcs {{ ... }} around it)"
     if re.match(r"Declare\b|SetTime\b|EachState\b|Ignore$", of):
-        verbs = _offered("fmi/declaration.hpp", r"(?:Refine|void) (time|input|output|parameter|seed|state|held)\(")
+        verbs = _offered(
+            "fmi/declaration.hpp", r"(?:Refine|void) (time|sampled|input|output|parameter|seed|state|held)\("
+        )
         return f"a declaration has no v.{name}{_meant(name, verbs, 'v.', 'it has v.' + ', v.'.join(verbs))}"
     if re.match(r"(?:Ignore::)?Refine\b", of):
         more = _offered("fmi/declaration.hpp", r"Refine& (\w+)\(")
@@ -99,6 +101,7 @@ _TAKEN = {
     "output": "variable, unit::...",
     "held": "variable, unit::...",
     "parameter": "variable, unit::... unless it is a std::int32_t",
+    "sampled": "a period, and an offset if there is one",
     "seed": "a std::int32_t",
     "state": "variable, its derivative of the same type, unit::...",
 }

@@ -46,12 +46,7 @@ struct BacksteppingControl {
     T torque_limit = 0.057735026918962581, torque_rate_limit = 6.0, period = 0.1;     // 0.05 sqrt(4/3) N.m
     std::int32_t start_at_command = 0;
 
-    Vec3<T> x_2_c{0.0, 0.0, 0.0}, x_2_c_raw{0.0, 0.0, 0.0}, xDot_2_c{0.0, 0.0, 0.0}, T_c{0.0, 0.0, 0.0},
-        T_c_raw{0.0, 0.0, 0.0};
     Vec3<T> chi_1{0.0, 0.0, 0.0}, chi_2{0.0, 0.0, 0.0}, chiDot_2{0.0, 0.0, 0.0};
-    Vec3<T> z_1{0.0, 0.0, 0.0}, z_2{0.0, 0.0, 0.0}, z_1_bar{0.0, 0.0, 0.0}, z_2_bar{0.0, 0.0, 0.0};
-    Vec3<T> expected{0.0, 0.0, 0.0};
-    T started = 0.0;
 
     Vec3<T> torque_B{0.0, 0.0, 0.0}, torque_raw_B{0.0, 0.0, 0.0};
     Vec3<T> omega_c_B{0.0, 0.0, 0.0}, omega_c_raw_B{0.0, 0.0, 0.0}, omegaDot_c_B{0.0, 0.0, 0.0};
@@ -83,81 +78,59 @@ struct BacksteppingControl {
             .fixed()
             .at_least(0)
             .at_most(1);
-        v.held("x_2_c", x_2_c, unit::rad_per_s, "filtered rate command");
-        v.held("x_2_c_raw", x_2_c_raw, unit::rad_per_s, "rate command before the filter");
-        v.held("xDot_2_c", xDot_2_c, unit::rad_per_s2, "its rate");
-        v.held("T_c", T_c, unit::N_m, "filtered torque command");
-        v.held("T_c_raw", T_c_raw, unit::N_m, "torque command before the filter");
+        v.sampled(period);
         v.held("chi_1", chi_1, unit::one, "effect of the filters on the attitude error");
         v.held("chi_2", chi_2, unit::rad_per_s, "effect of the filters on the rate error");
         v.held("chiDot_2", chiDot_2, unit::rad_per_s2, "its rate");
-        v.held("z_1", z_1, unit::one, "attitude error");
-        v.held("z_2", z_2, unit::rad_per_s, "rate error");
-        v.held("z_1_bar", z_1_bar, unit::one, "compensated attitude error");
-        v.held("z_2_bar", z_2_bar, unit::rad_per_s, "compensated rate error");
-        v.held("expected", expected, unit::rad_per_s2, "expected acceleration");
-        v.held("started", started, unit::one, "1 once a sample was taken");
-        v.output("torque_B", torque_B, unit::N_m, "T_c, control torque, in B");
-        v.output("torque_raw_B", torque_raw_B, unit::N_m, "T_c0, control torque before limits, in B");
-        v.output("omega_c_B", omega_c_B, unit::rad_per_s, "x_2c, commanded angular velocity, in B").nominal(0.01);
-        v.output("omega_c_raw_B", omega_c_raw_B, unit::rad_per_s,
-                 "x_2c0, commanded angular velocity before limits, in B")
+        v.held("torque_B", torque_B, unit::N_m, "T_c, control torque, in B").output();
+        v.held("torque_raw_B", torque_raw_B, unit::N_m, "T_c0, control torque before limits, in B").output();
+        v.held("omega_c_B", omega_c_B, unit::rad_per_s, "x_2c, commanded angular velocity, in B")
+            .output()
             .nominal(0.01);
-        v.output("omegaDot_c_B", omegaDot_c_B, unit::rad_per_s2, "rate of omega_c_B").nominal(1e-3);
-        v.output("sigma_RB", sigma_RB, unit::one, "z_1, attitude of R relative to B as MRP");
-        v.output("z_2_B", z_2_B, unit::rad_per_s, "z_2, rate error omega_BN_B - omega_c_B, in B").nominal(1e-4);
-        v.output("z_1_bar_B", z_1_bar_B, unit::one, "attitude error without the effect of the filters");
-        v.output("z_2_bar_B", z_2_bar_B, unit::rad_per_s, "rate error without the effect of the filters, in B")
+        v.held("omega_c_raw_B", omega_c_raw_B, unit::rad_per_s, "x_2c0, commanded angular velocity before limits, in B")
+            .output()
+            .nominal(0.01);
+        v.held("omegaDot_c_B", omegaDot_c_B, unit::rad_per_s2, "rate of omega_c_B").output().nominal(1e-3);
+        v.held("sigma_RB", sigma_RB, unit::one, "z_1, attitude of R relative to B as MRP").output();
+        v.held("z_2_B", z_2_B, unit::rad_per_s, "z_2, rate error omega_BN_B - omega_c_B, in B").output().nominal(1e-4);
+        v.held("z_1_bar_B", z_1_bar_B, unit::one, "attitude error without the effect of the filters").output();
+        v.held("z_2_bar_B", z_2_bar_B, unit::rad_per_s, "rate error without the effect of the filters, in B")
+            .output()
             .nominal(1e-4);
-        v.output("acceleration_expected_B", acceleration_expected_B, unit::rad_per_s2,
-                 "acceleration with the present torque if the estimate were true, in B")
+        v.held("acceleration_expected_B", acceleration_expected_B, unit::rad_per_s2,
+               "acceleration with the present torque if the estimate were true, in B")
+            .output()
             .nominal(1e-3);
     }
 
-    SampleTimes sample_times() const { return {value_of(period), 0.0}; }
-
-    void sample(std::int64_t /*k*/) {
+    void sample(const Sample& s) {
         const Vec3<T>& w = omega_BN_B;
         const Mrp<T> sigma = mrp_nearest(sigma_BO, sigma_RO);
         const MrpError<T> error = mrp_error(sigma, sigma_RO);
         const Mat3<T> C = mrp_dcm(sigma), W = error.by_sigma_BO * mrp_kinematics(sigma);
         const Vec3<T> c2 = C.col(1), c3 = C.col(2);
-        z_1 = error.sigma_RB;
+        sigma_RB = error.sigma_RB;
 
         const Vec3<T> alpha_1 =
-            -orbital_rate * c2 - W.inverse() * (error.by_sigma_RO * sigmaDot_RO + c_1 * z_1);  // (8.9)
-        x_2_c_raw = alpha_1 - chi_2;                                                           // (8.6)
-        if (start_at_command == 1) x_2_c += (1.0 - started) * (x_2_c_raw - x_2_c);
-        xDot_2_c = command_filter(x_2_c, x_2_c_raw, rate_limit, acceleration_limit, period);
+            -orbital_rate * c2 - W.inverse() * (error.by_sigma_RO * sigmaDot_RO + c_1 * sigma_RB);  // (8.9)
+        omega_c_raw_B = alpha_1 - chi_2;                                                            // (8.6)
+        if (start_at_command == 1 && s.first) omega_c_B = omega_c_raw_B;
+        omegaDot_c_B = command_filter(omega_c_B, omega_c_raw_B, rate_limit, acceleration_limit, period);
 
-        z_2 = w - x_2_c;  // (8.4)
-        z_1_bar = z_1 - chi_1;
-        z_2_bar = z_2 - chi_2;  // (8.7)
-        const Vec3<T> acceleration = xDot_2_c - c_2 * z_2 - K * z_2_bar - W.transpose() * z_1_bar;
-        expected = acceleration + c_2 * chi_2 + chiDot_2;  // bracket of (8.61)
+        z_2_B = w - omega_c_B;  // (8.4)
+        z_1_bar_B = sigma_RB - chi_1;
+        z_2_bar_B = z_2_B - chi_2;  // (8.7)
+        const Vec3<T> acceleration = omegaDot_c_B - c_2 * z_2_B - K * z_2_bar_B - W.transpose() * z_1_bar_B;
+        acceleration_expected_B = acceleration + c_2 * chi_2 + chiDot_2;  // bracket of (8.61)
 
-        T_c_raw = w.cross(J0_B * w) - gravity_gradient(orbital_rate, c3, J0_B) + J0_B * acceleration -
-                  torque_disturbance_B_est;  // (8.32)
-        command_filter(T_c, T_c_raw, torque_limit, torque_rate_limit, period);
+        torque_raw_B = w.cross(J0_B * w) - gravity_gradient(orbital_rate, c3, J0_B) + J0_B * acceleration -
+                       torque_disturbance_B_est;  // (8.32)
+        command_filter(torque_B, torque_raw_B, torque_limit, torque_rate_limit, period);
 
-        const Vec3<T> chiDot_1 = -c_1 * chi_1 + W * (x_2_c - x_2_c_raw);
-        chiDot_2 = -c_2 * chi_2 + J0_B.inverse() * (T_c - T_c_raw);  // (8.8)
+        const Vec3<T> chiDot_1 = -c_1 * chi_1 + W * (omega_c_B - omega_c_raw_B);
+        chiDot_2 = -c_2 * chi_2 + J0_B.inverse() * (torque_B - torque_raw_B);  // (8.8)
         chi_1 += period * chiDot_1;
         chi_2 += period * chiDot_2;
-        started = 1.0;
-    }
-
-    void outputs() {
-        torque_B = T_c;
-        torque_raw_B = T_c_raw;
-        omega_c_B = x_2_c;
-        omega_c_raw_B = x_2_c_raw;
-        omegaDot_c_B = xDot_2_c;
-        sigma_RB = z_1;
-        z_2_B = z_2;
-        z_1_bar_B = z_1_bar;
-        z_2_bar_B = z_2_bar;
-        acceleration_expected_B = expected;
     }
 };
 

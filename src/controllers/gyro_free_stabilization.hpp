@@ -71,6 +71,7 @@ struct GyroFreeStabilization {
             .at_least(0)
             .at_most(1);
         v.parameter("z_0", z_0, unit::one, "filter state at the start if filter_at_rest is 0").fixed();
+        v.sampled(once);
         v.held("P", P, unit::one, "solution of the Lyapunov equation");
         v.held("z_start", z_start, unit::one, "z(0)");
         v.state("z_moved", z_moved, zDot_moved, unit::one, "z - z(0)");
@@ -80,10 +81,7 @@ struct GyroFreeStabilization {
         v.output("zDot", zDot, unit::one_per_s, "time derivative of z, which stands for the angular velocity");
     }
 
-    /// Once, at the start: no run is so long that a second sample were due.
-    static SampleTimes sample_times() { return {1e30, 0.0}; }
-
-    void sample(std::int64_t /*k*/) {
+    void sample(const Sample& /*s*/) {
         P = lyapunov(A_m, Q);
         z_start = z_0;
         if (filter_at_rest != 0) z_start = -A_m.inverse() * (B * error(seen(dcm(q_RN), directions_N)));

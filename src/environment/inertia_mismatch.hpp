@@ -29,7 +29,7 @@ struct InertiaMismatch {
     Mat3<T> J_B{{37.0 / 12.0, 0.0, 0.0}, {0.0, 37.0 / 12.0, 0.0}, {0.0, 0.0, 25.0 / 12.0}};
     Mat3<T> J0_B = J_B;
     T orbital_rate = 1.073e-3, period = 0.0;
-    Vec3<T> held_torque_B{0.0, 0.0, 0.0}, torque_B{0.0, 0.0, 0.0};
+    Vec3<T> torque_B{0.0, 0.0, 0.0};
 
     template <class V>
     void declare(V& v) {
@@ -40,13 +40,13 @@ struct InertiaMismatch {
         v.parameter("J0_B", J0_B, unit::kg_m2, "J_0, inertia of the body that the torque acts on, in B").inertia();
         v.parameter("orbital_rate", orbital_rate, unit::rad_per_s, "n, rate of the circular orbit").at_least(0);
         v.parameter("period", period, unit::s, "sampling period of the torque; 0: continuous").fixed().at_least(0);
-        v.held("held_torque_B", held_torque_B, unit::N_m, "torque of the last sample");
-        v.output("torque_B", torque_B, unit::N_m, "disturbance torque on a body of inertia J_0, in B").nominal(1e-4);
+        v.sampled(period);
+        v.output("torque_B", torque_B, unit::N_m, "disturbance torque on a body of inertia J_0, in B")
+            .sampled()
+            .nominal(1e-4);
     }
 
-    SampleTimes sample_times() const { return {value_of(period), 0.0}; }
-    void sample(std::int64_t /*k*/) { held_torque_B = torque(); }
-    void outputs() { torque_B = period > 0.0 ? held_torque_B : torque(); }
+    void outputs() { torque_B = torque(); }
 
 private:
     Vec3<T> torque() const {

@@ -41,7 +41,7 @@ struct OscillatingPayload {
     T amplitude = 0.78539816339744831, swing_period = 15.0, angle_0 = 0.78539816339744831;
     T orbital_rate = 1.073e-3, period = 0.0;
     Mat3<T> J_offset_B = Mat3<T>::Zero();
-    Vec3<T> held_torque_B{0.0, 0.0, 0.0}, torque_B{0.0, 0.0, 0.0};
+    Vec3<T> torque_B{0.0, 0.0, 0.0};
     T angle = 0.0;
 
     template <class V>
@@ -62,16 +62,16 @@ struct OscillatingPayload {
         v.parameter("J_offset_B", J_offset_B, unit::kg_m2, "J_p, added to the spin inertia; 0 is physically right");
         v.parameter("orbital_rate", orbital_rate, unit::rad_per_s, "n, rate of the circular orbit").at_least(0);
         v.parameter("period", period, unit::s, "sampling period of the torque; 0: continuous").fixed().at_least(0);
-        v.held("held_torque_B", held_torque_B, unit::N_m, "torque of the last sample");
-        v.output("torque_B", torque_B, unit::N_m, "disturbance torque on a body of inertia J_0, in B").nominal(1e-4);
+        v.sampled(period);
+        v.output("torque_B", torque_B, unit::N_m, "disturbance torque on a body of inertia J_0, in B")
+            .sampled()
+            .nominal(1e-4);
         v.output("angle", angle, unit::rad, "theta, angle of the swing");
     }
 
-    SampleTimes sample_times() const { return {value_of(period), 0.0}; }
-    void sample(std::int64_t /*k*/) { held_torque_B = torque(); }
     void outputs() {
         angle = amplitude * sin(6.2831853071795865 / swing_period * time);
-        torque_B = period > 0.0 ? held_torque_B : torque();
+        torque_B = torque();
     }
 
 private:

@@ -28,7 +28,7 @@ struct SpinningWheel {
     Vec3<T> axis{0.0, 0.0, 1.0};
     T inertia = 0.0015125, speed = 439.82297150257105, acceleration = 0.0, period = 0.0;  // 1 kg, 55 mm; 4200 rpm
     Mat3<T> J_offset_B = Mat3<T>::Zero();
-    Vec3<T> held_torque_B{0.0, 0.0, 0.0}, torque_B{0.0, 0.0, 0.0}, H_B{0.0, 0.0, 0.0};
+    Vec3<T> torque_B{0.0, 0.0, 0.0}, H_B{0.0, 0.0, 0.0};
 
     template <class V>
     void declare(V& v) {
@@ -40,16 +40,14 @@ struct SpinningWheel {
         v.parameter("acceleration", acceleration, unit::rad_per_s2, "alpha, change of the spin rate");
         v.parameter("J_offset_B", J_offset_B, unit::kg_m2, "J_p, added to the spin inertia; 0 is physically right");
         v.parameter("period", period, unit::s, "sampling period of the torque; 0: continuous").fixed().at_least(0);
-        v.held("held_torque_B", held_torque_B, unit::N_m, "torque of the last sample");
-        v.output("torque_B", torque_B, unit::N_m, "disturbance torque on the body, in B").nominal(1e-3);
+        v.sampled(period);
+        v.output("torque_B", torque_B, unit::N_m, "disturbance torque on the body, in B").sampled().nominal(1e-3);
         v.output("H_B", H_B, unit::N_m_s, "spin momentum, in B");
     }
 
-    SampleTimes sample_times() const { return {value_of(period), 0.0}; }
-    void sample(std::int64_t /*k*/) { held_torque_B = torque(); }
     void outputs() {
         H_B = spin(speed + acceleration * time);
-        torque_B = period > 0.0 ? held_torque_B : torque();
+        torque_B = torque();
     }
 
 private:

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "attitude/quaternion.hpp"
+#include "fmi/clocks.hpp"
 #include "fmi/units.hpp"
 
 namespace adcs {
@@ -44,7 +45,12 @@ struct Variable {
     double min = -std::numeric_limits<double>::infinity();
     double max = std::numeric_limits<double>::infinity();
     double nominal = 1.0;
+    int clock = -1;               ///< between whose instants an output is held; -1: none
+    const char* wrong = nullptr;  ///< what was said of it that does not fit it
 };
+
+/// Whether it keeps its value between samples: what sample() sets, and outputs that are held.
+inline bool is_held(const Variable& v) { return v.role == Role::held || v.clock >= 0; }
 
 /// A component's variables in the order of declaration; value reference 0 is time.
 struct Table {
@@ -54,6 +60,7 @@ struct Table {
     int count = 0;
     std::uint32_t next_vr = 0;
     std::uint8_t owner[scalar_capacity];  ///< FMI 2 value reference -> index in variables
+    int clocks = 0;
     bool overflow = false;
 
     const Variable* begin() const { return variables; }
@@ -81,6 +88,18 @@ public:
     Refine& positive_definite() { return v_.kind = Kind::positive_definite, *this; }
     /// Must be symmetric, without negative eigenvalues.
     Refine& positive_semidefinite() { return v_.kind = Kind::positive_semidefinite, *this; }
+    /// What is held is an output, too.
+    Refine& output() {
+        if (v_.role != Role::held) v_.wrong = " is not held: only v.held(...) has .output()";
+        return v_.causality = Causality::output, *this;
+    }
+    /// outputs() computes this output at the instants of a clock only, and it is held in between; where the clock's period
+    /// is 0, at every instant.
+    Refine& sampled(int clock = 0) {
+        if (v_.role != Role::plain || v_.causality != Causality::output)
+            v_.wrong = " is not what outputs() computes: only v.output(...) has .sampled()";
+        return v_.clock = clock, *this;
+    }
 
 private:
     Variable& v_;
@@ -131,6 +150,12 @@ public:
         rate.role = Role::derivative;
         rate.derivative_of = index;
         return refine;
+    }
+    /// A clock: sample() is called at the instants offset + k * period, k = 0, 1, ...; with a period of 0, never. Both are
+    /// what the parameters say at initialization.
+    void sampled(const T& /*period*/, const T& /*offset*/ = 0.0) {
+        table_.overflow = table_.overflow || table_.clocks == Clocks::capacity;
+        ++table_.clocks;
     }
     /// Set by sample() only, and held in between.
     template <class X>
@@ -185,12 +210,6 @@ private:
     }
 
     Table& table_;
-};
-
-/// Instants offset + k * period, k = 0, 1, ..., at which sample(k) is called; period 0: never.
-struct SampleTimes {
-    double period = 0.0;
-    double offset = 0.0;
 };
 
 }  // namespace adcs

@@ -229,19 +229,28 @@ bool is_of_outputs(const Variable& v) { return v.role == Role::plain && v.causal
 
 /// Whether each kind of variable has the function that sets it.
 bool are_functions_there(const Table& table, const Functions& has) {
-    bool outputs = false, states = false;
+    bool outputs = false, states = false, samples = has.sample;
     for (const Variable& v : table) {
-        outputs = outputs || is_of_outputs(v);
+        if (v.wrong != nullptr) return refuse(v, "", v.wrong);
+        if (v.clock >= table.clocks)
+            return refuse(v, "", " is sampled by a clock that is not declared (v.sampled(period) in declare())");
+        samples = samples || v.clock >= 0;
+        outputs = outputs || v.causality == Causality::output;
         states = states || v.role == Role::state;
         if (is_of_outputs(v) && !has.outputs) return refuse(v, "nothing sets the output ", " (write void outputs())");
         if (v.role == Role::held && !has.sample)
-            return refuse(v, "nothing sets ", ", which is held (write void sample(std::int64_t k) and sample_times())");
+            return refuse(v, "nothing sets ", ", which is held (write void sample(const Sample& s))");
         if (v.role != Role::state) continue;
         if (!has.derivatives && !has.outputs)
             return refuse(v, "nothing sets the derivative of ", " (write void derivatives())");
         if (v.unit->per_second == nullptr)
             return refuse(v, "the unit of the state ", " has none for its derivative (a Unit of your own names one)");
     }
+    if (has.sample && table.clocks == 0)
+        return refuse("sample(", "sample() is called at times that nothing says (v.sampled(period) in declare())");
+    if (table.clocks != 0 && !samples)
+        return refuse("sampled(",
+                      "nothing is sampled at its times (void sample(const Sample& s), or an output with .sampled())");
     if (!outputs && !states) return refuse("declare(", "it declares no output (v.output(...) in declare())");
     if (!states && has.derivatives)
         return refuse("derivatives()", "derivatives() has no state to be of (v.state(...) in declare())");
@@ -262,8 +271,8 @@ bool is_set(const Variable& v) {
 
 bool adcs::is_declared_right(const Table& table, const Functions& has) {
     if (table.overflow) {
-        std::fprintf(stderr, "declare(\ttoo many variables: at most %d with %u elements are possible\n",
-                     Table::capacity, Table::scalar_capacity);
+        std::fprintf(stderr, "declare(\ttoo many: at most %d variables with %u elements, and %d clocks, are possible\n",
+                     Table::capacity, Table::scalar_capacity, Clocks::capacity);
         return false;
     }
     return are_names_right(table) && are_functions_there(table, has);
@@ -308,7 +317,7 @@ void adcs::print(const Description& description) {
     print_key("differentiable");
     std::printf(description.differentiable ? "true" : "false");
     print_key("sampled");
-    std::printf(description.sampled ? "true" : "false");
+    std::printf(table.clocks != 0 ? "true" : "false");
     std::uint32_t states = 0;
     for (const Variable& v : table) states += v.role == Role::state ? v.size : 0;
     print_field("states", states);

@@ -13,7 +13,6 @@ struct Description {
     const char* summary;
     const char* reference;
     bool differentiable;
-    bool sampled;
     const Table& table;
     const Dependencies& dependencies;
     const Dependencies& at_start;  ///< what is more at initialization: the first sample is that of the start time
@@ -49,16 +48,16 @@ int describe(const char* name) {
     constexpr Functions has{detail::has_outputs<C<double>>, detail::has_derivatives<C<double>>,
                             detail::has_sample<C<double>>};
     if (!is_declared_right(table, has)) return declares_wrong;
-    component.sample(0);
+    component.sample(all_due(component.clocks(), 0, true));
     unset(table);
-    component.outputs();
+    component.outputs(0);
     if (!are_outputs_set(table)) return declares_wrong;
     component.derivatives();
     if (!are_derivatives_set(table)) return declares_wrong;
 
     component.reset();
     const Tracer<C> traced;
-    print({name, C<double>::summary, C<double>::reference, detail::is_differentiable<C<double>>, has.sample, table,
+    print({name, C<double>::summary, C<double>::reference, detail::is_differentiable<C<double>>, table,
            traced.dependencies, traced.at_start});
     return 0;
 }

@@ -12,7 +12,6 @@
 namespace adcs {
 namespace {
 
-constexpr double clock_tolerance = 1e-9;  // of a period: how exactly a communication point must hit a sample instant
 /// The Runge-Kutta method turns a quaternion by slightly too little, in radians per second; above this a spin is reported.
 constexpr double spin_error_bound = 1.7453292519943296e-4;  // 0.01 deg/s
 
@@ -80,12 +79,13 @@ Instance::Instance(const char* name, Interface interface, const Log& log, Model*
     model_->reset();
     for (const Variable& v : table()) {
         if (v.role == Role::state) n_states_ += v.size;
-        if (v.role == Role::held) n_held_ += v.size;
+        if (is_held(v)) n_held_ += v.size;
         if (v.causality == Causality::output) n_outputs_ += v.size;
         if (v.causality == Causality::input && v.kind != Kind::any) ++n_checked_inputs_;
         if (v.role == Role::state && v.kind == Kind::unit_quaternion) ++n_unit_states_;
     }
     n_scalars_ = table().next_vr;
+    clocks_ = Clocks(table().clocks);
     std::size_t size = 0;
     const auto cut = [this, &size](auto*& pointer, std::size_t n) {  // sizes first, pointers in the second pass
         using Item = std::remove_reference_t<decltype(*pointer)>;
@@ -235,32 +235,36 @@ Status Instance::enter_initialization() {
     return Status::ok;
 }
 
-Status Instance::start_clock() {
-    clock_ = model_->sample_times();
-    next_sample_ = 0;
-    if (clock_.period > 0.0) {
-        if (Status status = resolves(time_); status != Status::ok) return status;
-        const double passed = (time_ - clock_.offset) / clock_.period;
-        // A run that starts between two instants takes the earlier one's sample at its start: nothing is held unset.
-        if (passed > 0.0) next_sample_ = static_cast<std::int64_t>(std::floor(passed + clock_tolerance));
+Status Instance::start_clocks() {
+    clocks_ = model_->clocks();
+    for (Clock& clock : clocks_) {
+        if (Status status = resolves(clock, time_); status != Status::ok) return status;
+        clock.start(time_);
     }
-    at_sample_ = sample_due(time_);
+    clocks_.look_at(time_);
+    note_what_holds();
     return Status::ok;
 }
 
+void Instance::note_what_holds() {
+    sampling_ = 0;
+    for (const Variable& v : table()) sampling_ |= v.clock >= 0 ? 1U << v.clock : 0U;
+    sampling_ &= clocks_.running();
+}
+
 /// Whether two sample instants in a row differ at that time; the index of one then has room in a double, and in 64 bits.
-Status Instance::resolves(double time) {
-    if (clock_.period >= 4.5e-16 * std::fabs(time)) return Status::ok;  // quickly: two units in the last place of time
+Status Instance::resolves(const Clock& clock, double time) {
+    if (!clock.runs() || clock.period >= 4.5e-16 * std::fabs(time)) return Status::ok;  // two units in the last place
     const double resolution = std::nextafter(std::fabs(time), HUGE_VAL) - std::fabs(time);
-    if (clock_.period >= 2.0 * resolution) return Status::ok;
+    if (clock.period >= 2.0 * resolution) return Status::ok;
     return error("at t = %g: the sampling period of %g s is below the resolution of time, which is %.2g s there: %s",
-                 time, clock_.period, resolution, "let it start nearer to t = 0, or sample less often");
+                 time, clock.period, resolution, "let it start nearer to t = 0, or sample less often");
 }
 
 /// The parameter that is the sampling period, to name it.
-const char* Instance::period_name() const {
+const char* Instance::period_name(const Clock& clock) const {
     for (const Variable& v : table()) {
-        if (v.causality == Causality::parameter && v.unit == &unit::s && v.size == 1 && *floats(v) == clock_.period) {
+        if (v.causality == Causality::parameter && v.unit == &unit::s && v.size == 1 && *floats(v) == clock.period) {
             return v.name;
         }
     }
@@ -277,13 +281,15 @@ Status Instance::fits_budget(double from, double to) {
             span, span / *max_internal_step_, step_budget, "take smaller steps", *max_internal_step_,
             1.01 * span / step_budget);
     }
-    if (!(clock_.period > 0.0)) return Status::ok;
-    if (!(span <= step_budget * clock_.period)) {
-        return error("a step of %g s needs %.3g samples, at most %g are taken: %s, or raise %s = %g to %.2g", span,
-                     span / clock_.period, step_budget, "take smaller steps", period_name(), clock_.period,
-                     1.01 * span / step_budget);
+    for (const Clock& clock : clocks_) {
+        if (clock.runs() && !(span <= step_budget * clock.period)) {
+            return error("a step of %g s needs %.3g samples, at most %g are taken: %s, or raise %s = %g to %.2g", span,
+                         span / clock.period, step_budget, "take smaller steps", period_name(clock), clock.period,
+                         1.01 * span / step_budget);
+        }
+        if (Status status = resolves(clock, to); status != Status::ok) return status;
     }
-    return resolves(to);
+    return Status::ok;
 }
 
 Status Instance::exit_initialization() {
@@ -302,9 +308,9 @@ Status Instance::reset() {
     model_->reset();
     mode_ = mode_instantiated;
     stop_time_ = 0.0;
-    stop_defined_ = at_sample_ = spin_reported_ = false;
-    clock_ = SampleTimes{};
-    next_sample_ = 0;
+    stop_defined_ = spin_reported_ = false;
+    clocks_ = Clocks(table().clocks);
+    sampling_ = 0;
     copy_held(held_, true);
     move_to(0.0);
     parameters_checked_ = inputs_checked_ = false;
@@ -487,7 +493,7 @@ Status Instance::check_parameters() {
     }
     if (const char* fault = model_->validate(); fault != nullptr) return error("%s", fault);
     if ((mode_ & mode_initialization) != 0) {
-        if (Status status = start_clock(); status != Status::ok) return status;
+        if (Status status = start_clocks(); status != Status::ok) return status;
     }
     parameters_checked_ = true;
     return Status::ok;
@@ -541,13 +547,14 @@ Status Instance::finite_held() {
 Status Instance::evaluate() {
     if (outputs_fresh_) return Status::ok;
     if (Status status = check(); status != Status::ok) return status;
-    if (at_sample_) {
-        if (Status status = take_sample(); status != Status::ok) return status;
+    if (at_sample()) {
+        if (Status status = take_samples(); status != Status::ok) return status;
     }
-    model_->outputs();
+    model_->outputs(holding());
     derivatives_fresh_ = false;
     const Status status = finite_outputs();
     outputs_fresh_ = status == Status::ok;
+    if (!outputs_fresh_ && at_sample()) copy_held(held_, false);
     return status;
 }
 
@@ -583,13 +590,9 @@ void Instance::write_states(const double* x) {
 // A sample taken at a communication point is tentative: the importer may still set inputs there and read the
 // outputs again. It is repeated from the values held before, and counts once time moves on.
 
-bool Instance::sample_due(double time) const {
-    return clock_.period > 0.0 && instant(next_sample_) <= time + clock_tolerance * clock_.period;
-}
-
 void Instance::copy_held(double* held, bool store) {
     for (const Variable& v : table()) {
-        if (v.role != Role::held) continue;
+        if (!is_held(v)) continue;
         if (store) {
             std::memcpy(held, v.data, v.size * sizeof(double));
         } else {
@@ -599,20 +602,20 @@ void Instance::copy_held(double* held, bool store) {
     }
 }
 
-/// One that gives no finite values leaves the values held before.
-Status Instance::take_sample() {
+/// Samples that give no finite values leave the values held before.
+Status Instance::take_samples() {
     copy_held(held_, false);
-    model_->sample(next_sample_);
+    model_->sample(clocks_);
     const Status status = finite_held();
     if (status != Status::ok) copy_held(held_, false);
     return status;
 }
 
-void Instance::commit_sample() {
-    event("sample %lld at t = %g", static_cast<long long>(next_sample_), time_);
+/// The outputs belong to the samples.
+void Instance::commit_samples() {
+    clocks_.each_due([this](const Sample& s) { event("sample %lld at t = %g", static_cast<long long>(s.k), time_); });
     copy_held(held_, true);
-    ++next_sample_;
-    at_sample_ = false;
+    clocks_.advance();
 }
 
 // ------------------------------------------------------------------------------------------------- Co-Simulation
@@ -634,7 +637,7 @@ Status Instance::integrate(double from, double to) {
         const double steps = ratio > 1.0 ? std::ceil(ratio) : 1.0;
         const double h = (to - from) / steps;
         for (double i = 0.0; i < steps; ++i) {
-            model_->integrate(from + i * h, h, before_);
+            model_->integrate(from + i * h, h, sampling_, before_);
             normalise_states();
             if (Status status = finite_states_after(from + i * h, h); status != Status::ok) return status;
         }
@@ -704,21 +707,17 @@ Status Instance::do_step(double time, double step) {
     }
     if (Status status = check(); status != Status::ok) return status;
     if (Status status = fits_budget(time, end); status != Status::ok) return status;
-    if (at_sample_) {
-        if (Status status = evaluate(); status != Status::ok) return status;
-        commit_sample();
+    for (double from = time;;) {
+        if (at_sample()) {
+            if (Status status = evaluate(); status != Status::ok) return status;
+            commit_samples();
+        }
+        const double to = clocks_.earliest_before(end);
+        if (Status status = integrate(from, to); status != Status::ok) return status;
+        clocks_.look_at(to);
+        if (to == end) return Status::ok;
+        from = to;
     }
-    double from = time;
-    while (sample_due(end) && instant(next_sample_) < end - clock_tolerance * clock_.period) {
-        if (Status status = integrate(from, instant(next_sample_)); status != Status::ok) return status;
-        from = time_;
-        at_sample_ = true;
-        if (Status status = take_sample(); status != Status::ok) return status;
-        commit_sample();
-    }
-    if (Status status = integrate(from, end); status != Status::ok) return status;
-    at_sample_ = sample_due(end);
-    return Status::ok;
 }
 
 // ------------------------------------------------------------------------------------------------ Model Exchange
@@ -769,21 +768,21 @@ Status Instance::get_nominals(double* values, std::size_t n) {
 
 Status Instance::enter_event_mode() {
     mode_ = mode_event;
-    at_sample_ = sample_due(time_);
-    outputs_fresh_ = outputs_fresh_ && !at_sample_;
+    clocks_.look_at(time_);
+    outputs_fresh_ = outputs_fresh_ && !at_sample();
     return Status::ok;
 }
 
 Status Instance::update_discrete_states(bool* next_event_defined, double* next_event) {
     if (Status status = evaluate(); status != Status::ok) return status;
-    *next_event_defined = clock_.period > 0.0;
-    *next_event = instant(next_sample_ + (at_sample_ ? 1 : 0));
+    *next_event_defined = clocks_.running() != 0;
+    *next_event = *next_event_defined ? clocks_.upcoming() : 0.0;
     return Status::ok;
 }
 
 Status Instance::enter_continuous_time() {
     if (Status status = evaluate(); status != Status::ok) return status;
-    if (at_sample_) commit_sample();
+    if (at_sample()) commit_samples();
     mode_ = mode_continuous;
     return Status::ok;
 }
@@ -798,7 +797,8 @@ Status Instance::expand(const char* function, const std::uint32_t* vrs, std::siz
         const Scalar* s = find<A>(function, vrs[i]);
         if (s == nullptr) return Status::error;
         const Variable* v = s->variable;
-        if (v->type != Type::float64 || v->role == Role::held || v->causality == Causality::independent) {
+        if (v->type != Type::float64 || (v->role == Role::held && v->causality != Causality::output) ||
+            v->causality == Causality::independent) {
             return error("%s: %s has no derivative", function, v->name);
         }
         const std::uint32_t count = count_of<A>(*s);
@@ -836,7 +836,7 @@ Status Instance::prepare_derivatives(const char* function, Addressing addressing
         }
     }
     if (Status status = evaluate_derivatives(); status != Status::ok) return status;
-    if (at_sample_) {
+    if (at_sample()) {
         copy_held(held_, false);
         outputs_fresh_ = derivatives_fresh_ = false;
     }
@@ -847,7 +847,7 @@ Status Instance::prepare_derivatives(const char* function, Addressing addressing
 Status Instance::differentiate_along(const char* function, const Directional* known, std::size_t n_known,
                                      std::size_t n_unknown) {
     Directional* unknown = unknown_scalars();
-    const char* why = model_->differentiate(known, n_known, unknown, n_unknown, at_sample_, next_sample_);
+    const char* why = model_->differentiate(known, n_known, unknown, n_unknown, clocks_, holding());
     if (why != nullptr) return error("%s: %s", function, why);
     for (std::size_t i = 0; i < n_unknown; ++i) {
         if (std::isfinite(unknown[i].value)) continue;

@@ -198,14 +198,15 @@ private:
     Status evaluate();
     Status evaluate_derivatives();
     void move_to(double time);
-    Status start_clock();
-    Status resolves(double time);
+    Status start_clocks();
+    void note_what_holds();
+    Status resolves(const Clock& clock, double time);
     Status fits_budget(double from, double to);
-    const char* period_name() const;
-    double instant(std::int64_t k) const { return clock_.offset + static_cast<double>(k) * clock_.period; }
-    bool sample_due(double time) const;
-    Status take_sample();
-    void commit_sample();
+    const char* period_name(const Clock& clock) const;
+    bool at_sample() const { return clocks_.due() != 0; }
+    unsigned holding() const { return sampling_ & ~clocks_.due(); }
+    Status take_samples();
+    void commit_samples();
     void copy_held(double* held, bool store);
     Status integrate(double from, double to);
     void watch_spin(double h);
@@ -225,6 +226,7 @@ private:
     void load(const std::byte* bytes);
     Status check_saved(const char* function, const void* bytes, std::size_t size);
     Status check_loaded(const char* function);
+    bool fits(const Clock& clock, const Clock& expected, bool due) const;
 
     char name_[128];
     Interface interface_;
@@ -252,9 +254,8 @@ private:
     double time_ = 0.0;
     double stop_time_ = 0.0;
     bool stop_defined_ = false;
-    SampleTimes clock_;
-    std::int64_t next_sample_ = 0;
-    bool at_sample_ = false;      ///< time is a sample instant; the sample counts once time moves on
+    Clocks clocks_;               ///< samples that are due count once time moves on
+    unsigned sampling_ = 0;       ///< the clocks that run and between whose instants outputs are held
     bool outputs_fresh_ = false;  ///< outputs belong to the present time, states and inputs
     bool derivatives_fresh_ = false;
     bool parameters_checked_ = false;

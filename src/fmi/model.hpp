@@ -29,21 +29,22 @@ public:
     virtual const char* name() const = 0;
     /// All variables back to their start values.
     virtual void reset() = 0;
-    /// Every output as a function of time, states and inputs.
-    virtual void outputs() = 0;
+    /// Every output as a function of time, states and inputs, but those that are held by one of the clocks `holding` now.
+    virtual void outputs(unsigned holding) = 0;
     /// State derivatives; outputs() has been called for the same time, states and inputs.
     virtual void derivatives() = 0;
     /// One step h of the classical Runge-Kutta method of order 4. Outputs and derivatives belong to no time after it.
     /// `before` (states) receives where it began.
-    virtual void integrate(double time, double h, double* before) = 0;
-    /// The k-th sample: sets what is declared as held.
-    virtual void sample(std::int64_t k) = 0;
-    virtual SampleTimes sample_times() const = 0;
+    virtual void integrate(double time, double h, unsigned holding, double* before) = 0;
+    /// Sets what is declared as held, by the samples that are due.
+    virtual void sample(const Clocks& clocks) = 0;
+    /// Periods and offsets as the parameters are now.
+    virtual Clocks clocks() = 0;
     /// nullptr, or what is wrong with the parameters.
     virtual const char* validate() const = 0;
     /// unknowns[i].value = sum over knowns of d unknown / d known * known.value; nullptr, or why it cannot be had.
     virtual const char* differentiate(const Directional* knowns, std::size_t n_knowns, Directional* unknowns,
-                                      std::size_t n_unknowns, bool sampling, std::int64_t k) = 0;
+                                      std::size_t n_unknowns, const Clocks& clocks, unsigned holding) = 0;
 
     const Table& table() const { return table_; }
 
@@ -56,24 +57,35 @@ Model* make_model();
 
 namespace detail {
 
+/// Refinements of a variable that change nothing of it, each of which returns what the visitor's input() and the like do.
+template <class Self>
+struct AsItIs {
+    Self& above(double) { return self(); }
+    Self& at_least(double) { return self(); }
+    Self& at_most(double) { return self(); }
+    Self& nominal(double) { return self(); }
+    Self& fixed() { return self(); }
+    Self& unit_quaternion() { return self(); }
+    Self& unit_vectors() { return self(); }
+    Self& directions() { return self(); }
+    Self& inertia() { return self(); }
+    Self& positive_definite() { return self(); }
+    Self& positive_semidefinite() { return self(); }
+    Self& output() { return self(); }
+    Self& sampled(int = 0) { return self(); }
+
+private:
+    Self& self() { return static_cast<Self&>(*this); }
+};
+
 /// Visitors of declare() that pass over everything but what they are for. The compiler sees through them: what remains
 /// of an integrator step is what one would write by hand for this component.
 struct Ignore {
-    struct Refine {
-        Refine above(double) { return {}; }
-        Refine at_least(double) { return {}; }
-        Refine at_most(double) { return {}; }
-        Refine nominal(double) { return {}; }
-        Refine fixed() { return {}; }
-        Refine unit_quaternion() { return {}; }
-        Refine unit_vectors() { return {}; }
-        Refine directions() { return {}; }
-        Refine inertia() { return {}; }
-        Refine positive_definite() { return {}; }
-        Refine positive_semidefinite() { return {}; }
-    };
+    struct Refine : AsItIs<Refine> {};
     template <class... Any>
     void time(Any&&...) {}
+    template <class... Any>
+    void sampled(Any&&...) {}
     template <class... Any>
     Refine input(Any&&...) {
         return {};
@@ -108,6 +120,47 @@ struct SetTime : Ignore {
 
 private:
     double now_;
+};
+
+/// Reads periods and offsets.
+template <class T>
+struct ReadClocks : Ignore {
+    Clocks clocks;
+    void sampled(const T& period, const T& offset = 0.0) { clocks.add(value_of(period), value_of(offset)); }
+};
+
+/// Calls action(x, i) for the i-th number of the outputs that are held by one of the clocks `holding`.
+template <class T, class Action>
+class EachHeldOutput : public Ignore {
+public:
+    EachHeldOutput(unsigned holding, const Action& action) : holding_(holding), action_(action) {}
+    template <class X>
+    struct Output : AsItIs<Output<X>> {
+        Output(X& output, EachHeldOutput& each) : x(output), visitor(each) {}
+        Output& sampled(int clock = 0) {
+            if ((visitor.holding_ >> clock & 1U) != 0) visitor.visit(x);
+            return *this;
+        }
+        X& x;
+        EachHeldOutput& visitor;
+    };
+    template <class X>
+    Output<X> output(const char*, X& x, const Unit&, const char*) {
+        return {x, *this};
+    }
+
+private:
+    template <class X>
+    void visit(X& x) {
+        if constexpr (std::is_same_v<X, T>) {
+            action_(x, n_++);
+        } else {
+            for (int e = 0; e < static_cast<int>(X::SizeAtCompileTime); ++e) action_(x.data()[e], n_++);
+        }
+    }
+    unsigned holding_;
+    const Action& action_;
+    int n_ = 0;
 };
 
 /// Calls action(x, xDot, i) for the i-th scalar continuous state.
@@ -154,22 +207,29 @@ public:
         component = C<T>{};
         max_internal_step_ = 0.01;
     }
-    void evaluate(bool sampling, std::int64_t k) {
-        if (sampling) sample(k);
-        outputs();
+    void evaluate(const Clocks& clocks, unsigned holding) {
+        sample(clocks);
+        outputs(holding);
         derivatives();
     }
-    void outputs() {
-        if constexpr (has_outputs<C<T>>) component.outputs();
+    void outputs(unsigned holding) {
+        if (holding == 0) return outputs_of(component);
+        T held[Table::scalar_capacity];
+        each_held_output(component, holding, [&](const T& y, int j) { held[j] = y; });
+        outputs_of(component);
+        each_held_output(component, holding, [&](T& y, int j) { y = held[j]; });
     }
     void derivatives() {
         if constexpr (has_derivatives<C<T>>) component.derivatives();
     }
     /// Flat and on a copy of the component, so that the compiler drops outputs that no derivative depends on.
-    ADCS_FLATTEN void integrate([[maybe_unused]] double time, [[maybe_unused]] double h, [[maybe_unused]] T* before) {
+    ADCS_FLATTEN void integrate([[maybe_unused]] double time, [[maybe_unused]] double h,
+                                [[maybe_unused]] unsigned holding, [[maybe_unused]] T* before) {
         if constexpr (has_outputs<C<T>> || has_derivatives<C<T>>) {
             C<T> c = component;
             T start[Table::scalar_capacity], sum[Table::scalar_capacity];  // of which the states take the beginning
+            T held[Table::scalar_capacity];
+            if (holding != 0) each_held_output(c, holding, [&](const T& y, int j) { held[j] = y; });
             each_state(c, [&](const T& x, const T&, int j) {
                 before[j] = start[j] = x;
                 sum[j] = 0.0;
@@ -181,7 +241,8 @@ public:
             for (const auto& stage : stages) {
                 SetTime<T> set_time(stage.time);
                 c.declare(set_time);
-                if constexpr (has_outputs<C<T>>) c.outputs();
+                outputs_of(c);
+                if (holding != 0) each_held_output(c, holding, [&](T& y, int j) { y = held[j]; });
                 if constexpr (has_derivatives<C<T>>) c.derivatives();
                 each_state(c, [&](T& x, const T& k, int j) {
                     sum[j] += stage.weight * k;
@@ -194,13 +255,26 @@ public:
             each_state(component, [&](T& x, const T&, int j) { x = end[j]; });
         }
     }
-    void sample([[maybe_unused]] std::int64_t k) {
-        if constexpr (has_sample<C<T>>) component.sample(k);
+    void sample([[maybe_unused]] const Clocks& clocks) {
+        if constexpr (has_sample<C<T>>) clocks.each_due([this](const Sample& s) { component.sample(s); });
+    }
+    Clocks clocks() {
+        ReadClocks<T> read;
+        component.declare(read);
+        return read.clocks;
     }
 
     C<T> component{};
 
 private:
+    static void outputs_of([[maybe_unused]] C<T>& c) {
+        if constexpr (has_outputs<C<T>>) c.outputs();
+    }
+    template <class Action>
+    static void each_held_output(C<T>& c, unsigned holding, const Action& action) {
+        EachHeldOutput<T, Action> visitor(holding, action);
+        c.declare(visitor);
+    }
     template <class Action>
     static void each_state(C<T>& c, const Action& action) {
         EachState<T, Action> visitor(action);
@@ -232,7 +306,7 @@ public:
         const Variable& v = table_.variables[table_.owner[vr]];
         return static_cast<T*>(v.data)[vr - v.vr];
     }
-    void evaluate(bool sampling, std::int64_t k) { bound_.evaluate(sampling, k); }
+    void evaluate(const Clocks& clocks, unsigned holding) { bound_.evaluate(clocks, holding); }
 
 private:
     Table table_;
@@ -253,17 +327,13 @@ public:
 
     const char* name() const override { return name_; }
     void reset() override { bound_.reset(); }
-    void outputs() override { bound_.outputs(); }
+    void outputs(unsigned holding) override { bound_.outputs(holding); }
     void derivatives() override { bound_.derivatives(); }
-    void integrate(double time, double h, double* before) override { bound_.integrate(time, h, before); }
-    void sample(std::int64_t k) override { bound_.sample(k); }
-    SampleTimes sample_times() const override {
-        if constexpr (detail::has_sample<C<double>>) {
-            return bound_.component.sample_times();
-        } else {
-            return {};
-        }
+    void integrate(double time, double h, unsigned holding, double* before) override {
+        bound_.integrate(time, h, holding, before);
     }
+    void sample(const Clocks& clocks) override { bound_.sample(clocks); }
+    Clocks clocks() override { return bound_.clocks(); }
     const char* validate() const override {
         if constexpr (detail::has_validate<C<double>>) {
             return bound_.component.validate();
@@ -272,7 +342,7 @@ public:
         }
     }
     const char* differentiate(const Directional* knowns, std::size_t n_knowns, Directional* unknowns,
-                              std::size_t n_unknowns, bool sampling, std::int64_t k) override {
+                              std::size_t n_unknowns, const Clocks& clocks, unsigned holding) override {
         if constexpr (differentiable) {
             if (dual_ == nullptr) {
                 void* memory = std::malloc(sizeof(Differentiated));
@@ -281,7 +351,7 @@ public:
             }
             dual_->load(table_);
             for (std::size_t i = 0; i < n_knowns; ++i) dual_->scalar(knowns[i].vr).tangent += knowns[i].value;
-            dual_->evaluate(sampling, k);
+            dual_->evaluate(clocks, holding);
             for (std::size_t i = 0; i < n_unknowns; ++i) unknowns[i].value = dual_->scalar(unknowns[i].vr).tangent;
             return nullptr;
         } else {

@@ -48,12 +48,11 @@ void Instance::save(std::byte* bytes) const {
     std::memcpy(header.token, token_, sizeof token_);
     header.time = time_;
     header.stop_time = stop_time_;
-    header.clock = clock_;
-    header.next_sample = next_sample_;
+    for (int i = 0; i < clocks_.count(); ++i) header.clocks[i] = clocks_[i];
     header.mode = mode_;
     header.interface = static_cast<std::uint8_t>(interface_);
     header.stop_defined = stop_defined_ ? 1 : 0;
-    header.at_sample = at_sample_ ? 1 : 0;
+    header.due = static_cast<std::uint8_t>(clocks_.due());
     header.outputs_fresh = outputs_fresh_ ? 1 : 0;
     header.derivatives_fresh = derivatives_fresh_ ? 1 : 0;
     header.parameters_checked = parameters_checked_ ? 1 : 0;
@@ -77,11 +76,11 @@ void Instance::load(const std::byte* bytes) {
     std::memcpy(&header, bytes, sizeof header);
     time_ = header.time;
     stop_time_ = header.stop_time;
-    clock_ = header.clock;
-    next_sample_ = header.next_sample;
+    for (int i = 0; i < clocks_.count(); ++i) clocks_[i] = header.clocks[i];
+    clocks_.set_due(header.due);
+    note_what_holds();
     mode_ = static_cast<Mode>(header.mode);
     stop_defined_ = header.stop_defined != 0;
-    at_sample_ = header.at_sample != 0;
     outputs_fresh_ = header.outputs_fresh != 0;
     derivatives_fresh_ = header.derivatives_fresh != 0;
     parameters_checked_ = header.parameters_checked != 0;
@@ -130,10 +129,11 @@ Status Instance::check_saved(const char* function, const void* bytes, std::size_
     if (!one_mode || (header.mode & modes) == 0) {
         return error("%s: the saved state has no mode of this interface: %u", function, header.mode);
     }
-    for (const std::uint8_t flag : {header.stop_defined, header.at_sample, header.outputs_fresh,
-                                    header.derivatives_fresh, header.parameters_checked, header.inputs_checked}) {
+    for (const std::uint8_t flag : {header.stop_defined, header.outputs_fresh, header.derivatives_fresh,
+                                    header.parameters_checked, header.inputs_checked}) {
         if (flag > 1) return error("%s: the saved state has a flag that is neither 0 nor 1", function);
     }
+    if (header.due >> table().clocks != 0) return error("%s: the saved state has samples of no clock", function);
     Reader values(static_cast<const std::byte*>(bytes) + sizeof header);
     for (const Variable& v : table()) {
         for (std::uint32_t e = 0; e < v.size; ++e) {
@@ -155,7 +155,7 @@ Status Instance::check_loaded(const char* function) {
         const bool settable = v.causality == Causality::parameter || v.causality == Causality::input;
         const bool computed =
             (v.causality == Causality::output && outputs_fresh_) || (v.role == Role::derivative && derivatives_fresh_);
-        if (!settable && !computed && v.role != Role::state && v.role != Role::held) continue;
+        if (!settable && !computed && v.role != Role::state && !is_held(v)) continue;
         for (std::uint32_t e = 0; e < v.size; ++e) {
             const double value = element(v, e);
             const bool in_bounds = !settable || (value > v.above && value >= v.min && value <= v.max);
@@ -175,24 +175,28 @@ Status Instance::check_loaded(const char* function) {
         if (const char* fault = model_->validate(); fault != nullptr) return error("%s: %s", function, fault);
     }
 
-    // The clock belongs to the parameters, and the next sample to the time.
     const bool running = (mode_ & (mode_instantiated | mode_initialization)) == 0;
-    const SampleTimes expected = running || parameters_checked_ ? model_->sample_times() : clock_;
-    bool good = same(clock_.period, expected.period) && same(clock_.offset, expected.offset) && next_sample_ >= 0;
-    good = good && clock_.period >= 0.0 && std::isfinite(clock_.period) && std::isfinite(clock_.offset);
-    good = good && (clock_.period > 0.0 || (next_sample_ == 0 && !at_sample_));
-    if (good && clock_.period > 0.0) {
-        constexpr double some = 1e-6;  // of a period
-        const double ahead = (instant(next_sample_) - time_) / clock_.period;
-        good = next_sample_ <= 9007199254740992;  // 2^53, beyond which its instant is not exact
-        if (mode_ == mode_step) good = good && ahead > -1.0 - some && (ahead < 1.0 + some || next_sample_ == 0);
-        if (mode_ == mode_step) good = good && at_sample_ == sample_due(time_);
-    }
-    if (!good) {
+    const Clocks expected = running || parameters_checked_ ? model_->clocks() : clocks_;
+    for (int i = 0; i < clocks_.count(); ++i) {
+        const Clock& clock = clocks_[i];
+        if (fits(clock, expected[i], (clocks_.due() >> i & 1U) != 0)) continue;
         return error("%s: the clock of the saved state does not fit: sample %lld at t = %g, period %g s", function,
-                     static_cast<long long>(next_sample_), time_, clock_.period);
+                     static_cast<long long>(clock.next), time_, clock.period);
     }
     return Status::ok;
+}
+
+/// Whether a clock belongs to the parameters, which say what is expected, and its next sample to the time.
+bool Instance::fits(const Clock& clock, const Clock& expected, bool due) const {
+    if (!same(clock.period, expected.period) || !same(clock.offset, expected.offset)) return false;
+    if (!std::isfinite(clock.period) || !std::isfinite(clock.offset) || clock.period < 0.0) return false;
+    if (clock.first < 0 || clock.next < clock.first) return false;
+    if (!clock.runs()) return clock.next == 0 && !due;
+    if (clock.next > 9007199254740992) return false;  // 2^53, beyond which its instant is not exact
+    if (mode_ != mode_step) return true;
+    constexpr double some = 1e-6;  // of a period
+    const double ahead = (clock.instant(clock.next) - time_) / clock.period;
+    return ahead > -1.0 - some && (ahead < 1.0 + some || clock.next == 0) && due == clock.is_due(time_);
 }
 
 Status Instance::restore(const char* function, const void* state) {

@@ -12,18 +12,16 @@ namespace adcs {
 
 struct SavedHeader {
     static constexpr std::uint32_t its_magic = 0x53434441;  // "ADCS"
-    static constexpr std::uint32_t its_version = 2;
+    static constexpr std::uint32_t its_version = 3;
 
     std::uint32_t magic, version;
     std::uint64_t checksum;  ///< over all that follows it
     std::uint64_t size;      ///< of the whole, in bytes
     char token[40];          ///< of the component's declaration
     double time, stop_time;
-    SampleTimes clock;
-    std::int64_t next_sample;
+    Clock clocks[Clocks::capacity];
     std::uint32_t mode;
-    std::uint8_t interface, stop_defined, at_sample, outputs_fresh, derivatives_fresh, parameters_checked,
-        inputs_checked;
+    std::uint8_t interface, stop_defined, due, outputs_fresh, derivatives_fresh, parameters_checked, inputs_checked;
     std::uint8_t unused[5];  ///< 0, to a multiple of eight bytes
 };
 static_assert(sizeof(SavedHeader) % sizeof(double) == 0);

@@ -21,11 +21,7 @@ constexpr bool has_derivatives<C, std::void_t<decltype(std::declval<C&>().deriva
 template <class C, class = void>
 constexpr bool has_sample = false;
 template <class C>
-constexpr bool has_sample<C, std::void_t<decltype(std::declval<C&>().sample(std::int64_t{}))>> = true;
-template <class C, class = void>
-constexpr bool has_sample_times = false;
-template <class C>
-constexpr bool has_sample_times<C, std::void_t<decltype(std::declval<const C&>().sample_times())>> = true;
+constexpr bool has_sample<C, std::void_t<decltype(std::declval<C&>().sample(std::declval<const Sample&>()))>> = true;
 template <class C, class = void>
 constexpr bool has_validate = false;
 template <class C>
@@ -83,16 +79,11 @@ constexpr bool is_well_formed() {
     static_assert(has_derivatives<C> || !names_derivatives<C>,
                   "derivatives() has to be public and without arguments (void derivatives())");
     static_assert(has_sample<C> || !names_sample<C>,
-                  "sample() has to be public and take the number of the sample (void sample(std::int64_t k))");
-    static_assert(has_sample_times<C> || !names_sample_times<C>,
-                  "sample_times() has to be public, const and without arguments (SampleTimes sample_times() const)");
+                  "sample() has to be public and take the sample (void sample(const Sample& s))");
+    static_assert(!names_sample_times<C>,
+                  "sample_times() is called by nobody (v.sampled(period) in declare() says when to sample)");
     static_assert(has_validate<C> || !names_validate<C>,
                   "validate() has to be public, const and without arguments (const char* validate() const)");
-    static_assert(
-        has_sample_times<C> || !has_sample<C>,
-        "sample() is called at times that nothing says (SampleTimes sample_times() const returns the period)");
-    static_assert(has_sample<C> || !has_sample_times<C>,
-                  "sample_times() says when a function is called that is not there (void sample(std::int64_t k))");
     static_assert(has_summary<C>,
                   "summary is missing: what the component is, in a line (static constexpr auto summary = \"...\";)");
     static_assert(has_reference<C>,
@@ -105,10 +96,6 @@ constexpr bool is_well_formed() {
         static_assert(std::is_void_v<decltype(std::declval<C&>().derivatives())>,
                       "derivatives() returns a value that nobody takes: it sets the variables instead (void "
                       "derivatives())");
-    }
-    if constexpr (has_sample_times<C>) {
-        static_assert(std::is_same_v<decltype(std::declval<const C&>().sample_times()), SampleTimes>,
-                      "sample_times() has to return a period and an offset (SampleTimes sample_times() const)");
     }
     if constexpr (has_validate<C>) {
         static_assert(std::is_same_v<decltype(std::declval<const C&>().validate()), const char*>,

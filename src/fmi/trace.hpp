@@ -37,7 +37,7 @@ public:
             for (const Variable& v : run.table) {
                 if (v.type == Type::int32) add(dependencies, run, Run(point, point, v.vr), v.vr);
             }
-            for (const std::uint32_t vr : clock_) add(at_start, run, Run(point, point + 1, none), vr);
+            for (const std::uint32_t vr : timing_) add(at_start, run, Run(point, point + 1, none), vr);
         }
     }
 
@@ -48,7 +48,7 @@ private:
     static constexpr std::uint32_t none = Table::scalar_capacity;
 
     /// Parameters of which the index of the sample that is taken at the start is a function, and time.
-    struct Clock {
+    struct Timing {
         std::uint32_t vrs[Table::scalar_capacity];
         std::uint32_t count = 0;
         const std::uint32_t* begin() const { return vrs; }
@@ -82,7 +82,7 @@ private:
                     x.tangent.set[v.vr + e] = true;
                 }
             }
-            bound.evaluate(true, k);
+            bound.evaluate(all_due(bound.clocks(), k, point < points / 2), 0);
         }
 
         Table table;
@@ -103,27 +103,31 @@ private:
         }
     }
 
-    static Clock clock() {
-        Clock found;
-        if constexpr (detail::has_sample<C<Trace>>) {
-            const Run run(1, 0, none);
-            found.vrs[found.count++] = 0;
-            for (const Variable& v : run.table) {
-                if (v.type != Type::float64 || v.causality != Causality::parameter) continue;
-                for (std::uint32_t e = 0; e < v.size; ++e) {
-                    Trace& x = static_cast<Trace*>(v.data)[e];
-                    const Trace before = x;
-                    const double period = run.bound.component.sample_times().period;
-                    x.value += 1.0;
-                    if (run.bound.component.sample_times().period != period) found.vrs[found.count++] = v.vr + e;
-                    x = before;
+    static Timing timing() {
+        Timing found;
+        Run run(1, 0, none);
+        if (run.table.clocks == 0) return found;
+        found.vrs[found.count++] = 0;
+        const Clocks before = run.bound.clocks();
+        for (const Variable& v : run.table) {
+            if (v.type != Type::float64 || v.causality != Causality::parameter) continue;
+            for (std::uint32_t e = 0; e < v.size; ++e) {
+                Trace& x = static_cast<Trace*>(v.data)[e];
+                const Trace value = x;
+                x.value += 1.0;
+                const Clocks after = run.bound.clocks();
+                for (int i = 0; i < before.count(); ++i) {
+                    if (after[i].period == before[i].period && after[i].offset == before[i].offset) continue;
+                    found.vrs[found.count++] = v.vr + e;
+                    break;
                 }
+                x = value;
             }
         }
         return found;
     }
 
-    const Clock clock_ = clock();
+    const Timing timing_ = timing();
 };
 
 }  // namespace adcs

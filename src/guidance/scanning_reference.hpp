@@ -30,7 +30,7 @@ struct ScanningReference {
     T angle = 0.52359877559829887, slew_rate = 0.0052359877559829887;  // 30 deg, 0.3 deg/s
     T slew_start = 0.0, time_constant = 30.0, scan_start = 500.0, scan_period = 300.0, period = 0.0;
     std::int32_t lag = 0, difference = 0;
-    T held_theta = 0.0, held_thetaDot = 0.0, filtered = 0.0, started = 0.0;
+    T held_theta = 0.0, held_thetaDot = 0.0, filtered = 0.0;
     Vec3<T> held_sigma{0.0, 0.0, 0.0}, held_sigmaDot{0.0, 0.0, 0.0};
     T theta = 0.0;
     Mrp<T> sigma_RO{0.0, 0.0, 0.0}, sigmaDot_RO{0.0, 0.0, 0.0};
@@ -54,10 +54,10 @@ struct ScanningReference {
             .fixed()
             .at_least(0)
             .at_most(1);
+        v.sampled(period);
         v.held("held_theta", held_theta, unit::rad, "angle of the last sample");
         v.held("held_thetaDot", held_thetaDot, unit::rad_per_s, "rate of the angle of the last sample");
         v.held("filtered", filtered, unit::rad, "state of the low-pass");
-        v.held("started", started, unit::one, "1 once a sample was taken");
         v.held("held_sigma", held_sigma, unit::one, "sigma_RO of the last sample");
         v.held("held_sigmaDot", held_sigmaDot, unit::one_per_s, "sigmaDot_RO of the last sample");
         v.output("theta", theta, unit::rad, "angle of the turn about the axis");
@@ -65,10 +65,8 @@ struct ScanningReference {
         v.output("sigmaDot_RO", sigmaDot_RO, unit::one_per_s, "time derivative of sigma_RO").nominal(0.001);
     }
 
-    SampleTimes sample_times() const { return {value_of(period), 0.0}; }
-
-    void sample(std::int64_t k) {
-        const T now = static_cast<double>(k - lag) * period;
+    void sample(const Sample& s) {
+        const T now = static_cast<double>(s.k - lag) * period;
         const T ramp = limited(slew_rate * (now - slew_start));
         const T lambda = time_constant / (time_constant + period);
         filtered = lambda * filtered + (1.0 - lambda) * ramp;  // (D.6)
@@ -77,9 +75,9 @@ struct ScanningReference {
         scan(now, held_theta, held_thetaDot);
         const Vec3<T> before = held_sigma;
         held_sigma = mrp(held_theta);
+        const double past = s.first ? 0.0 : 1.0;  // no difference before there are two
         held_sigmaDot =
-            difference == 1 ? Vec3<T>(started / period * (held_sigma - before)) : mrpDot(held_theta, held_thetaDot);
-        started = 1.0;
+            difference == 1 ? Vec3<T>(past / period * (held_sigma - before)) : mrpDot(held_theta, held_thetaDot);
     }
 
     void outputs() {

@@ -26,8 +26,7 @@ struct ImmersionInvarianceObserver {
     Mat3<T> J0_B{{37.0 / 12.0, 0.0, 0.0}, {0.0, 37.0 / 12.0, 0.0}, {0.0, 0.0, 25.0 / 12.0}};
     T gamma = 50.0, period = 0.1;
     std::int32_t update_first = 1;
-    Vec3<T> state{0.0, 0.0, 0.0}, held_torque{0.0, 0.0, 0.0}, torque_disturbance_B_est{0.0, 0.0, 0.0};
-    T started = 0.0;
+    Vec3<T> state{0.0, 0.0, 0.0}, torque_disturbance_B_est{0.0, 0.0, 0.0};
 
     template <class V>
     void declare(V& v) {
@@ -42,32 +41,23 @@ struct ImmersionInvarianceObserver {
             .fixed()
             .at_least(0)
             .at_most(1);
+        v.sampled(period);
         v.held("state", state, unit::N_m, "state of the estimator");
-        v.held("held_torque", held_torque, unit::N_m, "estimate of the last sample");
-        v.held("started", started, unit::one, "1 once a sample was taken");
-        v.output("torque_disturbance_B_est", torque_disturbance_B_est, unit::N_m,
-                 "estimate of the disturbance torque, in B")
+        v.held("torque_disturbance_B_est", torque_disturbance_B_est, unit::N_m,
+               "estimate of the disturbance torque, in B")
+            .output()
             .nominal(1e-4);
     }
 
-    SampleTimes sample_times() const { return {value_of(period), 0.0}; }
-
-    void sample(std::int64_t /*k*/) {
+    void sample(const Sample& s) {
         const Mat3<T> J0_inverse = J0_B.inverse();
         const Vec3<T> beta = gamma * (J0_inverse * omega_BN_B);                         // (8.63)
         const Vec3<T> step = -period * gamma * (J0_inverse * acceleration_expected_B);  // (8.61)
-        state -= (1.0 - started) * beta;  // so that the first estimate is 0
-        if (update_first == 1) {
-            state += started * step;
-            held_torque = state + beta;
-        } else {
-            held_torque = state + beta;
-            state += step;
-        }
-        started = 1.0;
+        if (s.first) state -= beta;  // so that the first estimate is 0
+        if (update_first == 1 && !s.first) state += step;
+        torque_disturbance_B_est = state + beta;
+        if (update_first == 0) state += step;
     }
-
-    void outputs() { torque_disturbance_B_est = held_torque; }
 };
 
 }  // namespace adcs

@@ -39,8 +39,6 @@ struct NonlinearExtendedStateObserver {
     T rate_margin = 0.005, torque_margin = 0.1, period = 0.1;
     std::int32_t torque_delay = 0;
     Vec3<T> omega_next{0.0, 0.0, 0.0}, xi_next{0.0, 0.0, 0.0}, torque_before{0.0, 0.0, 0.0};
-    Vec3<T> held_torque{0.0, 0.0, 0.0}, held_omega{0.0, 0.0, 0.0}, held_innovation{0.0, 0.0, 0.0};
-    T started = 0.0;
     Vec3<T> torque_disturbance_B_est{0.0, 0.0, 0.0}, omega_BN_B_est{0.0, 0.0, 0.0}, innovation_B{0.0, 0.0, 0.0};
 
     template <class V>
@@ -69,45 +67,37 @@ struct NonlinearExtendedStateObserver {
             .fixed()
             .at_least(0)
             .at_most(1);
+        v.sampled(period);
         v.held("omega_next", omega_next, unit::rad_per_s, "rate estimate for the next sample");
         v.held("xi_next", xi_next, unit::N_m, "torque estimate for the next sample");
         v.held("torque_before", torque_before, unit::N_m, "torque of the sample before");
-        v.held("started", started, unit::one, "1 once a sample was taken");
-        v.held("held_torque", held_torque, unit::N_m, "torque estimate of the last sample");
-        v.held("held_omega", held_omega, unit::rad_per_s, "rate estimate of the last sample");
-        v.held("held_innovation", held_innovation, unit::rad_per_s, "innovation of the last sample");
-        v.output("torque_disturbance_B_est", torque_disturbance_B_est, unit::N_m,
-                 "xi, estimate of the disturbance torque, in B")
+        v.held("torque_disturbance_B_est", torque_disturbance_B_est, unit::N_m,
+               "xi, estimate of the disturbance torque, in B")
+            .output()
             .nominal(1e-4);
-        v.output("omega_BN_B_est", omega_BN_B_est, unit::rad_per_s, "estimate of the angular velocity, in B")
+        v.held("omega_BN_B_est", omega_BN_B_est, unit::rad_per_s, "estimate of the angular velocity, in B")
+            .output()
             .nominal(0.01);
-        v.output("innovation_B", innovation_B, unit::rad_per_s, "omega_BN_B - omega_BN_B_est (8.40), in B")
+        v.held("innovation_B", innovation_B, unit::rad_per_s, "omega_BN_B - omega_BN_B_est (8.40), in B")
+            .output()
             .nominal(1e-5);
     }
 
-    SampleTimes sample_times() const { return {value_of(period), 0.0}; }
-
-    void sample(std::int64_t /*k*/) {
+    void sample(const Sample& s) {
         const Vec3<T>& w = omega_BN_B;
-        held_torque = xi_next;
-        held_omega = started * omega_next + (1.0 - started) * w;  // starts at the measured rate
-        held_innovation = w - held_omega;
+        torque_disturbance_B_est = xi_next;
+        omega_BN_B_est = s.first ? w : omega_next;
+        innovation_B = w - omega_BN_B_est;
 
         const Vec3<T> c_3 = mrp_dcm(sigma_BO).col(2);
         const Vec3<T> torque = torque_delay == 1 ? torque_before : torque_B;
-        const Vec3<T> known = gravity_gradient(orbital_rate, c_3, J0_B) - w.cross(J0_B * w) + torque + held_torque;
-        const Vec3<T> omegaDot = J0_B.inverse() * known - beta_1 * fal(-held_innovation, alpha_1, delta_1);
-        const Vec3<T> xiDot = -beta_2 * fal(-held_innovation, alpha_2, delta_2);
-        omega_next = held_omega + period * project<T, 3>(held_omega, omegaDot, rate_limit, rate_margin);
-        xi_next = held_torque + period * project<T, 3>(held_torque, xiDot, torque_limit, torque_margin);
+        const Vec3<T>&omega = omega_BN_B_est, &xi = torque_disturbance_B_est, &e = innovation_B;
+        const Vec3<T> known = gravity_gradient(orbital_rate, c_3, J0_B) - w.cross(J0_B * w) + torque + xi;
+        const Vec3<T> omegaDot = J0_B.inverse() * known - beta_1 * fal(-e, alpha_1, delta_1);
+        const Vec3<T> xiDot = -beta_2 * fal(-e, alpha_2, delta_2);
+        omega_next = omega + period * project<T, 3>(omega, omegaDot, rate_limit, rate_margin);
+        xi_next = xi + period * project<T, 3>(xi, xiDot, torque_limit, torque_margin);
         torque_before = torque_B;
-        started = 1.0;
-    }
-
-    void outputs() {
-        torque_disturbance_B_est = held_torque;
-        omega_BN_B_est = held_omega;
-        innovation_B = held_innovation;
     }
 
     const char* validate() const {

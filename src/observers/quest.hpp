@@ -61,14 +61,13 @@ struct Quest {
             .fixed()
             .above(0);
         v.parameter("limit", limit, unit::one, "observability below which the estimate is held").fixed().above(0);
+        v.sampled(memory_period);
         v.held("q_last", q_last, unit::one, "the remembered estimate");
         v.output("q_BN_est", q_BN_est, unit::one, "estimated attitude of B relative to N").unit_quaternion();
         v.output("observability", observability, unit::one, "0: the vectors are collinear");
     }
 
-    SampleTimes sample_times() const { return {value_of(memory_period), 0.0}; }
-
-    void sample(std::int64_t /*k*/) {
+    void sample(const Sample& /*s*/) {
         outputs();
         q_last = q_BN_est;
     }

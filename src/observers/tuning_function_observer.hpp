@@ -27,8 +27,7 @@ struct TuningFunctionObserver {
     Mat3<T> G = 15.0 * Mat3<T>::Identity();
     T limit = 0.1, margin = 0.1, period = 0.1;
     std::int32_t update_first = 1;
-    Vec3<T> state{0.0, 0.0, 0.0}, held_torque{0.0, 0.0, 0.0}, torque_disturbance_B_est{0.0, 0.0, 0.0};
-    T started = 0.0;
+    Vec3<T> state{0.0, 0.0, 0.0}, torque_disturbance_B_est{0.0, 0.0, 0.0};
 
     template <class V>
     void declare(V& v) {
@@ -42,29 +41,20 @@ struct TuningFunctionObserver {
             .fixed()
             .at_least(0)
             .at_most(1);
+        v.sampled(period);
         v.held("state", state, unit::N_m, "state of the estimator");
-        v.held("held_torque", held_torque, unit::N_m, "estimate of the last sample");
-        v.held("started", started, unit::one, "1 once a sample was taken");
-        v.output("torque_disturbance_B_est", torque_disturbance_B_est, unit::N_m,
-                 "estimate of the disturbance torque, in B")
+        v.held("torque_disturbance_B_est", torque_disturbance_B_est, unit::N_m,
+               "estimate of the disturbance torque, in B")
+            .output()
             .nominal(1e-4);
     }
 
-    SampleTimes sample_times() const { return {value_of(period), 0.0}; }
-
-    void sample(std::int64_t /*k*/) {
+    void sample(const Sample& s) {
         const Vec3<T> step = period * project<T, 3>(state, G * z_2_bar_B, limit, margin);
-        if (update_first == 1) {
-            state += started * step;  // no step before the first error was acted upon
-            held_torque = state;
-        } else {
-            held_torque = state;
-            state += step;
-        }
-        started = 1.0;
+        if (update_first == 1 && !s.first) state += step;  // no step before the first error was acted upon
+        torque_disturbance_B_est = state;
+        if (update_first == 0) state += step;
     }
-
-    void outputs() { torque_disturbance_B_est = held_torque; }
 };
 
 }  // namespace adcs

@@ -26,8 +26,9 @@ struct AttitudeRateSensor {
     Vec3<T> omega_BN_B{0.0, 0.0, 0.0};
     T attitude_noise = 0.0, rate_noise = 0.0, period = 0.0;
     std::int32_t seed = 1;
-    Mrp<T> held_sigma_BO{0.0, 0.0, 0.0}, sigma_BO_meas{0.0, 0.0, 0.0};
-    Vec3<T> held_omega_BN_B{0.0, 0.0, 0.0}, omega_BN_B_meas{0.0, 0.0, 0.0};
+    Vec3<T> turn_B{0.0, 0.0, 0.0}, rate_noise_B{0.0, 0.0, 0.0};
+    Mrp<T> sigma_BO_meas{0.0, 0.0, 0.0};
+    Vec3<T> omega_BN_B_meas{0.0, 0.0, 0.0};
 
     template <class V>
     void declare(V& v) {
@@ -42,26 +43,27 @@ struct AttitudeRateSensor {
             .at_least(0);
         v.parameter("period", period, unit::s, "sampling period; 0: continuous").fixed().at_least(0);
         v.seed("seed", seed, "seed of the noise");
-        v.held("held_sigma_BO", held_sigma_BO, unit::one, "attitude of the last sample");
-        v.held("held_omega_BN_B", held_omega_BN_B, unit::rad_per_s, "rate of the last sample");
-        v.output("sigma_BO_meas", sigma_BO_meas, unit::one, "measured attitude of B relative to O as MRP");
-        v.output("omega_BN_B_meas", omega_BN_B_meas, unit::rad_per_s, "measured angular velocity, in B").nominal(0.01);
+        v.sampled(period);
+        v.held("turn_B", turn_B, unit::rad, "phi, turn of the last draw, in B").nominal(1e-4);
+        v.held("rate_noise_B", rate_noise_B, unit::rad_per_s, "nu, noise of the last draw, in B").nominal(1e-4);
+        v.output("sigma_BO_meas", sigma_BO_meas, unit::one, "measured attitude of B relative to O as MRP").sampled();
+        v.output("omega_BN_B_meas", omega_BN_B_meas, unit::rad_per_s, "measured angular velocity, in B")
+            .sampled()
+            .nominal(0.01);
     }
 
-    SampleTimes sample_times() const { return {value_of(period), 0.0}; }
-
-    void sample(std::int64_t k) {
-        Random attitude = stream["attitude"].draw(seed, k), rate = stream["rate"].draw(seed, k);
+    void sample(const Sample& s) {
+        Random attitude = stream["attitude"].draw(seed, s.k), rate = stream["rate"].draw(seed, s.k);
         const Vec3<double> phi = gaussian(attitude), nu = gaussian(rate);
-        const Mrp<T> tilted = mrp_compose<T>(0.25 * attitude_noise * phi.template cast<T>(), sigma_BO);
-        const T square = tilted.dot(tilted);
-        held_sigma_BO = square > 1.0 ? Mrp<T>(-tilted / square) : tilted;
-        held_omega_BN_B = omega_BN_B + rate_noise * nu.template cast<T>();
+        turn_B = attitude_noise * phi.template cast<T>();
+        rate_noise_B = rate_noise * nu.template cast<T>();
     }
 
     void outputs() {
-        sigma_BO_meas = period > 0.0 ? held_sigma_BO : sigma_BO;
-        omega_BN_B_meas = period > 0.0 ? held_omega_BN_B : omega_BN_B;
+        const Mrp<T> turned = mrp_compose<T>(0.25 * turn_B, sigma_BO);
+        const T square = turned.dot(turned);
+        sigma_BO_meas = !(period > 0.0) ? sigma_BO : square > 1.0 ? Mrp<T>(-turned / square) : turned;
+        omega_BN_B_meas = omega_BN_B + rate_noise_B;
     }
 
     const char* validate() const {

@@ -29,7 +29,7 @@ struct InertialMeasurementUnit {
     Vec3<T> gyro_bias{0.0, 0.0, 0.0}, accelerometer_bias{0.0, 0.0, 0.0};
     T gyro_noise = 0.0, accelerometer_noise = 0.0, period = 0.0;
     std::int32_t seed = 1;
-    Vec3<T> held_omega_BN_B{0.0, 0.0, 0.0}, held_specific_force_B{0.0, 0.0, 0.0};
+    Vec3<T> gyro_noise_B{0.0, 0.0, 0.0}, accelerometer_noise_B{0.0, 0.0, 0.0};
     Vec3<T> omega_BN_B_meas{0.0, 0.0, 0.0}, specific_force_B_meas{0.0, 0.0, 0.0};
 
     template <class V>
@@ -53,25 +53,27 @@ struct InertialMeasurementUnit {
             .nominal(1e-2);
         v.parameter("period", period, unit::s, "sampling period; 0: continuous").fixed().at_least(0);
         v.seed("seed", seed, "seed of the noise");
-        v.held("held_omega_BN_B", held_omega_BN_B, unit::rad_per_s, "rate of the last sample").nominal(0.01);
-        v.held("held_specific_force_B", held_specific_force_B, unit::m_per_s2, "specific force of the last sample");
-        v.output("omega_BN_B_meas", omega_BN_B_meas, unit::rad_per_s, "measured angular velocity, in B").nominal(0.01);
-        v.output("specific_force_B_meas", specific_force_B_meas, unit::m_per_s2, "measured specific force, in B");
+        v.sampled(period);
+        v.held("gyro_noise_B", gyro_noise_B, unit::rad_per_s, "noise of the last draw, in B").nominal(1e-4);
+        v.held("accelerometer_noise_B", accelerometer_noise_B, unit::m_per_s2, "noise of the last draw, in B")
+            .nominal(1e-2);
+        v.output("omega_BN_B_meas", omega_BN_B_meas, unit::rad_per_s, "measured angular velocity, in B")
+            .sampled()
+            .nominal(0.01);
+        v.output("specific_force_B_meas", specific_force_B_meas, unit::m_per_s2, "measured specific force, in B")
+            .sampled();
     }
 
-    SampleTimes sample_times() const { return {value_of(period), 0.0}; }
-
-    void sample(std::int64_t k) {
-        Random gyro = stream["gyro"].draw(seed, k), accelerometer = stream["accelerometer"].draw(seed, k);
+    void sample(const Sample& s) {
+        Random gyro = stream["gyro"].draw(seed, s.k), accelerometer = stream["accelerometer"].draw(seed, s.k);
         const Vec3<double> nu = gaussian(gyro), mu = gaussian(accelerometer);
-        held_omega_BN_B = omega_BN_B + gyro_bias + gyro_noise * nu.template cast<T>();
-        held_specific_force_B = specific_force_B + accelerometer_bias + accelerometer_noise * mu.template cast<T>();
+        gyro_noise_B = gyro_noise * nu.template cast<T>();
+        accelerometer_noise_B = accelerometer_noise * mu.template cast<T>();
     }
 
     void outputs() {
-        const bool sampled = period > 0.0;
-        omega_BN_B_meas = sampled ? held_omega_BN_B : Vec3<T>(omega_BN_B + gyro_bias);
-        specific_force_B_meas = sampled ? held_specific_force_B : Vec3<T>(specific_force_B + accelerometer_bias);
+        omega_BN_B_meas = omega_BN_B + gyro_bias + gyro_noise_B;
+        specific_force_B_meas = specific_force_B + accelerometer_bias + accelerometer_noise_B;
     }
 
     const char* validate() const {

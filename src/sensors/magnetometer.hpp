@@ -25,7 +25,7 @@ struct Magnetometer {
     Vec3<T> magnetic_field_N{0.0, 0.0, 0.0}, bias{0.0, 0.0, 0.0};
     T noise = 0.0, period = 0.0;
     std::int32_t seed = 1;
-    Vec3<T> held_magnetic_field_B{0.0, 0.0, 0.0}, magnetic_field_B_meas{0.0, 0.0, 0.0};
+    Vec3<T> noise_B{0.0, 0.0, 0.0}, magnetic_field_B_meas{0.0, 0.0, 0.0};
 
     template <class V>
     void declare(V& v) {
@@ -35,29 +35,25 @@ struct Magnetometer {
         v.parameter("noise", noise, unit::T, "sigma, standard deviation per axis").fixed().at_least(0).nominal(1e-7);
         v.parameter("period", period, unit::s, "sampling period; 0: continuous").fixed().at_least(0);
         v.seed("seed", seed, "seed of the noise");
-        v.held("held_magnetic_field_B", held_magnetic_field_B, unit::T, "flux density of the last sample")
-            .nominal(1e-5);
+        v.sampled(period);
+        v.held("noise_B", noise_B, unit::T, "noise of the last draw, in B").nominal(1e-7);
         v.output("magnetic_field_B_meas", magnetic_field_B_meas, unit::T, "measured magnetic flux density, in B")
+            .sampled()
             .nominal(1e-5);
     }
 
-    SampleTimes sample_times() const { return {value_of(period), 0.0}; }
-
-    void sample(std::int64_t k) {
-        Random random = stream.draw(seed, k);
-        held_magnetic_field_B = field_B() + noise * gaussian(random).template cast<T>();
+    void sample(const Sample& s) {
+        Random random = stream.draw(seed, s.k);
+        noise_B = noise * gaussian(random).template cast<T>();
     }
 
-    void outputs() { magnetic_field_B_meas = period > 0.0 ? held_magnetic_field_B : field_B(); }
+    void outputs() { magnetic_field_B_meas = dcm(q_BN) * magnetic_field_N + bias + noise_B; }
 
     const char* validate() const {
         return period > 0.0 || noise == 0.0
                    ? nullptr
                    : "noise is above 0, but period is 0: noise is drawn per sample, give a period";
     }
-
-private:
-    Vec3<T> field_B() const { return dcm(q_BN) * magnetic_field_N + bias; }
 };
 
 }  // namespace adcs

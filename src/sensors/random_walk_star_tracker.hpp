@@ -49,6 +49,7 @@ struct RandomWalkStarTracker {
             .above(0)
             .at_most(1);
         v.seed("seed", seed, "seed of the draws");
+        v.sampled(max_rate > 0.0 ? hold_time : 0.0);
         v.held("omega_EB_E", omega_EB_E, unit::rad_per_s, "random rate of the error");
         v.state("q_EB", q_EB, qDot_EB, unit::one, "error of the measurement: attitude of E relative to B")
             .unit_quaternion();
@@ -56,10 +57,8 @@ struct RandomWalkStarTracker {
             .unit_quaternion();
     }
 
-    SampleTimes sample_times() const { return {value_of(max_rate) > 0.0 ? value_of(hold_time) : 0.0, 0.0}; }
-
-    void sample(std::int64_t k) {
-        Random random = stream.draw(seed, k);
+    void sample(const Sample& s) {
+        Random random = stream.draw(seed, s.k);
         const T size = max_rate * random.uniform();
         omega_EB_E = size * random.direction().template cast<T>();
         if (!stays_within(omega_EB_E)) {

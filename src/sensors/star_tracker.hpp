@@ -42,17 +42,16 @@ struct StarTracker {
             .at_most(1.5707963267948966);
         v.parameter("redraw_period", redraw_period, unit::s, "how long a draw is held").fixed().above(0);
         v.seed("seed", seed, "seed of the draws");
+        v.sampled(half_angle > 0.0 ? redraw_period : 0.0);
         v.held("tilt_direction", tilt_direction, unit::one, "a, unit vector that sets the direction of the tilt");
         v.held("tilt_versine", tilt_versine, unit::one, "1 - cos(beta), beta the angle of the tilt");
         v.output("q_BN_meas", q_BN_meas, unit::one, "measured attitude of B relative to N").unit_quaternion();
     }
 
-    SampleTimes sample_times() const { return {value_of(half_angle) > 0.0 ? value_of(redraw_period) : 0.0, 0.0}; }
-
-    void sample(std::int64_t k) {
-        Random random = stream.draw(seed, k);
-        const T s = sin(0.5 * half_angle);
-        tilt_versine = random.uniform() * 2.0 * s * s;  // 1 - cos(alpha) without cancellation
+    void sample(const Sample& s) {
+        Random random = stream.draw(seed, s.k);
+        const T half = sin(0.5 * half_angle);
+        tilt_versine = random.uniform() * 2.0 * half * half;  // 1 - cos(alpha) without cancellation
         tilt_direction = random.direction().template cast<T>();
     }
 

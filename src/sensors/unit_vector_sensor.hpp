@@ -54,19 +54,18 @@ struct UnitVectorSensor {
             .at_most(10);
         v.parameter("redraw_period", redraw_period, unit::s, "how long a draw is held").fixed().above(0);
         v.seed("seed", seed, "seed of the draws");
+        v.sampled(half_angle > 0.0 ? redraw_period : 0.0);
         v.held("tilt_directions", tilt_directions, unit::one, "unit vectors that set the sides of the errors");
         v.held("tilt_versines", tilt_versines, unit::one, "1 - cos(beta), beta the angles of the errors");
         v.output("directions_B_meas", directions_B_meas, unit::one, "y_j, the unit vectors measured in B, a row each");
     }
 
-    SampleTimes sample_times() const { return {value_of(half_angle) > 0.0 ? value_of(redraw_period) : 0.0, 0.0}; }
-
-    void sample(std::int64_t k) {
-        const T s = sin(0.5 * half_angle);
+    void sample(const Sample& s) {
+        const T half = sin(0.5 * half_angle);
         const T variance = spread * spread * half_angle * half_angle;
-        const T inside = 1.0 - exp(-2.0 * s * s / variance);  // how much of the distribution the cone holds
+        const T inside = 1.0 - exp(-2.0 * half * half / variance);  // how much of the distribution the cone holds
         for (int j = 0; j < n_directions; ++j) {
-            Random random = stream[j].draw(seed, k);
+            Random random = stream[j].draw(seed, s.k);
             tilt_versines[j] = -variance * log(1.0 - random.uniform() * inside);
             tilt_directions.row(j) = random.direction().template cast<T>();
         }

@@ -43,7 +43,7 @@ class Raw:
         self.fmu = kind(
             guid=token or description.guid or description.instantiationToken,
             unzipDirectory=folder.name,
-            modelIdentifier=name,
+            modelIdentifier=description.coSimulation.modelIdentifier,
             instanceName="it",
         )
         if version == 2:

@@ -14,7 +14,7 @@ from .points import NAMES, near, starts, tunable
 from .raw import Raw
 
 VERSIONS = (2, 3)
-CHECKSUM, TIME, MODE = 8, 64, 104
+CHECKSUM, TIME, CLOCK, MODE, VALUES = 8, 64, 80, 208, 224
 """Offsets in a saved state, src/fmi/saved_state.hpp."""
 TILTED = {
     "directions_B": [[0.0, 0.0, 1.0], [0.8, 0.6, 0.0], [0.6, 0.8, 0.0]],
@@ -169,19 +169,24 @@ def test_every_damaged_byte_is_seen(name: str, version: int) -> None:
 @pytest.mark.parametrize(
     ("name", "offset", "value", "expected"),
     [
-        ("RigidBody", 4, struct.pack("<I", 1), "has format 1, expected 2"),
+        ("RigidBody", 4, struct.pack("<I", 1), "has format 1, expected 3"),
         ("RigidBody", TIME, struct.pack("<d", np.nan), "has the times nan"),
         ("RigidBody", TIME, struct.pack("<d", 3.0), "has the times 3"),
         ("RigidBody", MODE, struct.pack("<I", 8), "has no mode of this interface: 8"),
         ("RigidBody", MODE, struct.pack("<I", 3), "has no mode of this interface: 3"),
         ("RigidBody", MODE + 4, b"\0", "not from this kind of component"),
         ("RigidBody", MODE + 5, b"\2", "a flag that is neither 0 nor 1"),
-        ("RigidBody", 120 + 8 * 7, struct.pack("<d", -1.0), "J_B = [-1 1.2 0.5"),
-        ("RigidBody", 120 + 8 * 16, struct.pack("<d", np.inf), "q_BN[1] = inf"),
-        ("StarTracker", 80, struct.pack("<d", 1e-12), "the clock of the saved state does not fit"),
-        ("StarTracker", 96, struct.pack("<q", 10**6), "the clock of the saved state does not fit: sample 1000000"),
-        ("StarTracker", 120 + 8 * 7, struct.pack("<d", np.nan), "seed = nan in the saved state, but an integer"),
-        ("StarTracker", 120 + 8 * 6, struct.pack("<d", -0.1), "redraw_period = -0.1 in the saved state"),
+        ("RigidBody", VALUES + 8 * 7, struct.pack("<d", -1.0), "J_B = [-1 1.2 0.5"),
+        ("RigidBody", VALUES + 8 * 16, struct.pack("<d", np.inf), "q_BN[1] = inf"),
+        ("StarTracker", CLOCK, struct.pack("<d", 1e-12), "the clock of the saved state does not fit"),
+        (
+            "StarTracker",
+            CLOCK + 16,
+            struct.pack("<q", 10**6),
+            "the clock of the saved state does not fit: sample 1000000",
+        ),
+        ("StarTracker", VALUES + 8 * 7, struct.pack("<d", np.nan), "seed = nan in the saved state, but an integer"),
+        ("StarTracker", VALUES + 8 * 6, struct.pack("<d", -0.1), "redraw_period = -0.1 in the saved state"),
     ],
 )
 @pytest.mark.parametrize("version", VERSIONS)

@@ -139,12 +139,24 @@ def described(folder: Path, *changes: tuple[str, str]) -> str:
             ("T k = 1.0", "T x = 0.0, xDot = 0.0, k = 1.0")]),
         (25, "derivatives() has no state to be of (v.state(...) in declare())", [
             (OUTPUTS, f"{OUTPUTS}\n    void derivatives() {{}}")]),
-        (25, "sample() is called at times that nothing says (SampleTimes sample_times() const returns", [
-            (OUTPUTS, f"{OUTPUTS}\n    void sample(std::int64_t) {{}}")]),
-        (25, "sample() has to be public and take the number of the sample (void sample(std::int64_t k))", [
-            (OUTPUTS, f"{OUTPUTS}\n    void sample() {{}}")]),
-        (25, "sample_times() says when a function is called that is not there", [
-            (OUTPUTS, f"{OUTPUTS}\n    SampleTimes sample_times() const {{ return {{0.1, 0.0}}; }}")]),
+        (25, "sample() is called at times that nothing says (v.sampled(period) in declare())", [
+            (OUTPUTS, f"{OUTPUTS}\n    void sample(const Sample&) {{}}")]),
+        (25, "sample() has to be public and take the sample (void sample(const Sample& s))", [
+            (OUTPUTS, f"{OUTPUTS}\n    void sample(std::int64_t k) {{}}")]),
+        (25, "sample_times() is called by nobody (v.sampled(period) in declare() says when to sample)", [
+            (OUTPUTS, f"{OUTPUTS}\n    int sample_times() const {{ return 0; }}")]),
+        (21, "nothing is sampled at its times (void sample(const Sample& s), or an output with .sampled())", [
+            ('v.output("torque"', 'v.sampled(k); v.output("torque"')]),
+        (21, "torque is sampled by a clock that is not declared (v.sampled(period) in declare())", [
+            ('"torque");', '"torque").sampled();')]),
+        (20, "k is not what outputs() computes: only v.output(...) has .sampled()", [
+            ('"gain")', '"gain").sampled()')]),
+        (20, "k is not held: only v.held(...) has .output()", [('"gain")', '"gain").output()')]),
+        (21, "torque is sampled by a clock that is not declared (v.sampled(period) in declare())", [
+            ('v.output("torque"', 'v.sampled(k); v.output("torque"'), ('"torque");', '"torque").sampled(1);')]),
+        (18, "too many: at most 96 variables with 1024 elements, and 4 clocks, are possible", [
+            ('v.output("torque"', 'for (int i = 0; i < 5; ++i) v.sampled(k);\nv.output("torque"'),
+            (OUTPUTS, f"{OUTPUTS}\n    void sample(const Sample&) {{}}")]),
         (25, "validate() has to return what is wrong, or nullptr (const char* validate() const)", [
             (OUTPUTS, f"{OUTPUTS}\n    bool validate() const {{ return true; }}")]),
         (9, "summary is missing: what the component is, in a line", [("summary", "sumary")]),

@@ -62,6 +62,8 @@ class Variable:
     """For each element the scalar value references it depends on during the run."""
     initial_dependencies: tuple[tuple[int, ...], ...] | None
     """The same during initialisation."""
+    is_event: bool = False
+    """Whether it is an event function, by whose sign things happen."""
     is_seed: bool = False
     """Whether it is the seed of random draws."""
     condition: str | None = None
@@ -111,7 +113,6 @@ class Description:
     differentiable: bool
     sampled: bool
     states: int
-    event_indicators: int
     log_categories: tuple[LogCategory, ...]
     units: tuple[Unit, ...]
     variables: tuple[Variable, ...]

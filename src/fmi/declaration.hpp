@@ -9,6 +9,7 @@
 
 #include "attitude/quaternion.hpp"
 #include "fmi/clocks.hpp"
+#include "fmi/events.hpp"
 #include "fmi/units.hpp"
 
 namespace adcs {
@@ -16,7 +17,7 @@ namespace adcs {
 enum class Type : std::uint8_t { float64, int32 };
 enum class Causality : std::uint8_t { independent, parameter, input, output, local };
 enum class Variability : std::uint8_t { fixed, tunable, discrete, continuous };
-enum class Role : std::uint8_t { plain, state, derivative, held, seed };
+enum class Role : std::uint8_t { plain, state, derivative, held, seed, event };
 /// A condition on a variable as a whole, beyond bounds of its elements; what each means is said in conditions.hpp.
 enum class Kind : std::uint8_t {
     any,
@@ -46,6 +47,7 @@ struct Variable {
     double max = std::numeric_limits<double>::infinity();
     double nominal = 1.0;
     int clock = -1;               ///< between whose instants an output is held; -1: none
+    bool wakes = false;           ///< a time at which events() is called
     const char* wrong = nullptr;  ///< what was said of it that does not fit it
 };
 
@@ -61,6 +63,7 @@ struct Table {
     std::uint32_t next_vr = 0;
     std::uint8_t owner[scalar_capacity];  ///< FMI 2 value reference -> index in variables
     int clocks = 0;
+    int events = 0;  ///< event functions
     bool overflow = false;
 
     const Variable* begin() const { return variables; }
@@ -92,6 +95,12 @@ public:
     Refine& output() {
         if (v_.role != Role::held) v_.wrong = " is not held: only v.held(...) has .output()";
         return v_.causality = Causality::output, *this;
+    }
+    /// When time comes to what is held, events() is called; `never` is none.
+    Refine& wakes() {
+        if (v_.role != Role::held || v_.size != 1)
+            v_.wrong = " is no held time: only a scalar v.held(...) has .wakes()";
+        return v_.wakes = true, *this;
     }
     /// outputs() computes this output at the instants of a clock only, and it is held in between; where the clock's period
     /// is 0, at every instant.
@@ -157,7 +166,14 @@ public:
         table_.overflow = table_.overflow || table_.clocks == Clocks::capacity;
         ++table_.clocks;
     }
-    /// Set by sample() only, and held in between.
+    /// An event function, set by outputs(): where it becomes positive, or is no longer, events() is called, at the very time.
+    void event(const char* name, T& x, const Unit& unit, const char* description) {
+        table_.overflow = table_.overflow || table_.events == Events::capacity;
+        ++table_.events;
+        add(name, x, unit, description, Causality::local, Variability::continuous);
+        table_.variables[table_.count - 1].role = Role::event;
+    }
+    /// Set by sample() and events() only, and held in between.
     template <class X>
     Refine held(const char* name, X& x, const Unit& unit, const char* description) {
         Refine refine = add(name, x, unit, description, Causality::local, Variability::discrete);

@@ -105,7 +105,7 @@ bool depends(const Bits& unknown, const Variable& known, std::uint32_t e, bool a
 
 /// Per element the value references it depends on: of time, inputs, continuous states and parameters.
 void print_dependencies(const Table& table, const Dependencies& found, const Variable& v, bool at_initialization) {
-    if ((v.causality != Causality::output && v.role != Role::derivative) ||
+    if ((v.causality != Causality::output && v.role != Role::derivative && v.role != Role::event) ||
         (at_initialization && v.role == Role::state)) {
         std::printf("null");
         return;
@@ -149,6 +149,8 @@ void print_variable(const Table& table, const Dependencies& found, const Depende
     print_field("nominal", v.nominal == 1.0 ? std::nan("") : v.nominal);
     std::snprintf(text, sizeof text, "time derivative of %s", v.name);
     print_field("description", is_derivative ? text : v.description);
+    print_key("is_event");
+    std::printf(v.role == Role::event ? "true" : "false");
     print_key("is_seed");
     std::printf(v.role == Role::seed ? "true" : "false");
     print_field("derivative_of", is_derivative ? table.variables[v.derivative_of].vr : std::nan(""));
@@ -225,11 +227,13 @@ bool are_names_right(const Table& table) {
 }
 
 /// Whether outputs() sets it.
-bool is_of_outputs(const Variable& v) { return v.role == Role::plain && v.causality == Causality::output; }
+bool is_of_outputs(const Variable& v) {
+    return (v.role == Role::plain && v.causality == Causality::output) || v.role == Role::event;
+}
 
 /// Whether each kind of variable has the function that sets it.
 bool are_functions_there(const Table& table, const Functions& has) {
-    bool outputs = false, states = false, samples = has.sample;
+    bool outputs = false, states = false, samples = has.sample, events = false;
     for (const Variable& v : table) {
         if (v.wrong != nullptr) return refuse(v, "", v.wrong);
         if (v.clock >= table.clocks)
@@ -238,8 +242,11 @@ bool are_functions_there(const Table& table, const Functions& has) {
         outputs = outputs || v.causality == Causality::output;
         states = states || v.role == Role::state;
         if (is_of_outputs(v) && !has.outputs) return refuse(v, "nothing sets the output ", " (write void outputs())");
-        if (v.role == Role::held && !has.sample)
+        if (v.role == Role::held && !has.sample && !has.events)
             return refuse(v, "nothing sets ", ", which is held (write void sample(const Sample& s))");
+        if ((v.role == Role::event || v.wakes) && !has.events)
+            return refuse(v, "nothing happens at ", " (write void events(const Events& e))");
+        events = events || v.role == Role::event || v.wakes;
         if (v.role != Role::state) continue;
         if (!has.derivatives && !has.outputs)
             return refuse(v, "nothing sets the derivative of ", " (write void derivatives())");
@@ -251,6 +258,9 @@ bool are_functions_there(const Table& table, const Functions& has) {
     if (table.clocks != 0 && !samples)
         return refuse("sampled(",
                       "nothing is sampled at its times (void sample(const Sample& s), or an output with .sampled())");
+    if (has.events && !events)
+        return refuse("events(",
+                      "events() is called at nothing (v.event(...) in declare(), or a held time with .wakes())");
     if (!outputs && !states) return refuse("declare(", "it declares no output (v.output(...) in declare())");
     if (!states && has.derivatives)
         return refuse("derivatives()", "derivatives() has no state to be of (v.state(...) in declare())");
@@ -271,8 +281,10 @@ bool is_set(const Variable& v) {
 
 bool adcs::is_declared_right(const Table& table, const Functions& has) {
     if (table.overflow) {
-        std::fprintf(stderr, "declare(\ttoo many: at most %d variables with %u elements, and %d clocks, are possible\n",
-                     Table::capacity, Table::scalar_capacity, Clocks::capacity);
+        std::fprintf(stderr,
+                     "declare(\ttoo many: at most %d variables with %u elements, %d clocks and %d event functions are "
+                     "possible\n",
+                     Table::capacity, Table::scalar_capacity, Clocks::capacity, Events::capacity);
         return false;
     }
     return are_names_right(table) && are_functions_there(table, has);
@@ -321,7 +333,6 @@ void adcs::print(const Description& description) {
     std::uint32_t states = 0;
     for (const Variable& v : table) states += v.role == Role::state ? v.size : 0;
     print_field("states", states);
-    print_field("event_indicators", 0.0);
     print_key("log_categories");
     print_list(std::size(log_categories), [](std::size_t i) {
         std::printf("{\"name\": ");

@@ -21,7 +21,7 @@ void print(const Description& description);
 
 /// What sets the variables of a component.
 struct Functions {
-    bool outputs, derivatives, sample;
+    bool outputs, derivatives, sample, events;
 };
 
 /// The exit code for a mistake in the header. What is printed then is a text by which its line is found, a tab, and words.
@@ -46,7 +46,7 @@ int describe(const char* name) {
     detail::Ignore model;  // stands for the other visitors of declare(), which a model has
     component.component.declare(model);
     constexpr Functions has{detail::has_outputs<C<double>>, detail::has_derivatives<C<double>>,
-                            detail::has_sample<C<double>>};
+                            detail::has_sample<C<double>>, detail::has_events<C<double>>};
     if (!is_declared_right(table, has)) return declares_wrong;
     component.sample(all_due(component.clocks(), 0, true));
     unset(table);

@@ -165,15 +165,14 @@ fmi2Status fmi2EnterEventMode(fmi2Component c) {
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo* info) {
     Instance* instance = enter(c, mode_event, Interface::model_exchange, "fmi2NewDiscreteStates");
     if (instance == nullptr || !given(instance, "fmi2NewDiscreteStates", info)) return fmi2Error;
-    bool defined = false;
-    double next = 0.0;
-    const Status status = instance->update_discrete_states(&defined, &next);
+    Discrete discrete;
+    const Status status = instance->update_discrete_states(discrete);
     info->newDiscreteStatesNeeded = fmi2False;
     info->terminateSimulation = fmi2False;
     info->nominalsOfContinuousStatesChanged = fmi2False;
-    info->valuesOfContinuousStatesChanged = fmi2False;
-    info->nextEventTimeDefined = defined ? fmi2True : fmi2False;
-    info->nextEventTime = next;
+    info->valuesOfContinuousStatesChanged = discrete.states_changed ? fmi2True : fmi2False;
+    info->nextEventTimeDefined = discrete.next_event_defined ? fmi2True : fmi2False;
+    info->nextEventTime = discrete.next_event;
     return to_fmi(status);
 }
 fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
@@ -200,10 +199,9 @@ fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t n)
     Instance* instance = enter(c, mode_readable, Interface::model_exchange, "fmi2GetDerivatives");
     return instance == nullptr ? fmi2Error : to_fmi(instance->get_derivatives(derivatives, n));
 }
-fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real[], size_t n) {
+fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real indicators[], size_t n) {
     Instance* instance = enter(c, mode_readable, Interface::model_exchange, "fmi2GetEventIndicators");
-    if (instance == nullptr) return fmi2Error;
-    return n == 0 ? fmi2OK : to_fmi(instance->error("fmi2GetEventIndicators: there are none"));
+    return instance == nullptr ? fmi2Error : to_fmi(instance->get_event_indicators(indicators, n));
 }
 fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t n) {
     Instance* instance = enter(c, mode_readable, Interface::model_exchange, "fmi2GetContinuousStates");

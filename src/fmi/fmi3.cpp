@@ -243,12 +243,12 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance i, fmi3Boolean* needs_update, f
                                       values_changed, next_event_defined, next_event)) {
         return fmi3Error;
     }
-    bool defined = false;
-    double next = 0.0;
-    const Status status = instance->update_discrete_states(&defined, &next);
-    *needs_update = *terminate = *nominals_changed = *values_changed = fmi3False;
-    *next_event_defined = defined;
-    *next_event = next;
+    Discrete discrete;
+    const Status status = instance->update_discrete_states(discrete);
+    *needs_update = *terminate = *nominals_changed = fmi3False;
+    *values_changed = discrete.states_changed;
+    *next_event_defined = discrete.next_event_defined;
+    *next_event = discrete.next_event;
     return to_fmi(status);
 }
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance i) {
@@ -275,10 +275,9 @@ fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance i, fmi3Float64 derivat
     Instance* instance = enter(i, mode_readable, Interface::model_exchange, "fmi3GetContinuousStateDerivatives");
     return instance == nullptr ? fmi3Error : to_fmi(instance->get_derivatives(derivatives, n));
 }
-fmi3Status fmi3GetEventIndicators(fmi3Instance i, fmi3Float64[], size_t n) {
+fmi3Status fmi3GetEventIndicators(fmi3Instance i, fmi3Float64 indicators[], size_t n) {
     Instance* instance = enter(i, mode_readable, Interface::model_exchange, "fmi3GetEventIndicators");
-    if (instance == nullptr) return fmi3Error;
-    return n == 0 ? fmi3OK : to_fmi(instance->error("fmi3GetEventIndicators: there are none"));
+    return instance == nullptr ? fmi3Error : to_fmi(instance->get_event_indicators(indicators, n));
 }
 fmi3Status fmi3GetContinuousStates(fmi3Instance i, fmi3Float64 x[], size_t n) {
     Instance* instance = enter(i, mode_readable, Interface::model_exchange, "fmi3GetContinuousStates");
@@ -291,7 +290,7 @@ fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance i, fmi3Float64 nominal
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance i, size_t* n) {
     Instance* instance = enter(i, mode_any, "fmi3GetNumberOfEventIndicators");
     if (instance == nullptr || !given(instance, "fmi3GetNumberOfEventIndicators", n)) return fmi3Error;
-    *n = 0;
+    *n = instance->event_indicators();
     return fmi3OK;
 }
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance i, size_t* n) {

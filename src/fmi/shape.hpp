@@ -23,6 +23,10 @@ constexpr bool has_sample = false;
 template <class C>
 constexpr bool has_sample<C, std::void_t<decltype(std::declval<C&>().sample(std::declval<const Sample&>()))>> = true;
 template <class C, class = void>
+constexpr bool has_events = false;
+template <class C>
+constexpr bool has_events<C, std::void_t<decltype(std::declval<C&>().events(std::declval<const Events&>()))>> = true;
+template <class C, class = void>
 constexpr bool has_validate = false;
 template <class C>
 constexpr bool has_validate<C, std::void_t<decltype(std::declval<const C&>().validate())>> = true;
@@ -46,7 +50,7 @@ constexpr bool is_differentiable<C, std::void_t<decltype(C::differentiable)>> = 
 /// Beside another member of each name, that of C makes the name ambiguous, whatever it is: a function of any arguments,
 /// a template, a private one.
 struct Others {
-    int outputs, derivatives, sample, sample_times, validate;
+    int outputs, derivatives, sample, sample_times, events, validate;
 };
 template <class C>
 struct Both : C, Others {};
@@ -67,6 +71,10 @@ constexpr bool names_sample_times = true;
 template <class C>
 constexpr bool names_sample_times<C, std::void_t<decltype(&Both<C>::sample_times)>> = false;
 template <class C, class = void>
+constexpr bool names_events = true;
+template <class C>
+constexpr bool names_events<C, std::void_t<decltype(&Both<C>::events)>> = false;
+template <class C, class = void>
 constexpr bool names_validate = true;
 template <class C>
 constexpr bool names_validate<C, std::void_t<decltype(&Both<C>::validate)>> = false;
@@ -82,6 +90,8 @@ constexpr bool is_well_formed() {
                   "sample() has to be public and take the sample (void sample(const Sample& s))");
     static_assert(!names_sample_times<C>,
                   "sample_times() is called by nobody (v.sampled(period) in declare() says when to sample)");
+    static_assert(has_events<C> || !names_events<C>,
+                  "events() has to be public and take what happened (void events(const Events& e))");
     static_assert(has_validate<C> || !names_validate<C>,
                   "validate() has to be public, const and without arguments (const char* validate() const)");
     static_assert(has_summary<C>,

@@ -89,7 +89,9 @@ private:
         detail::Bound<C, Trace> bound;
     };
 
-    static bool is_unknown(const Variable& v) { return v.causality == Causality::output || v.role == Role::derivative; }
+    static bool is_unknown(const Variable& v) {
+        return v.causality == Causality::output || v.role == Role::derivative || v.role == Role::event;
+    }
 
     static void add(Dependencies& found, const Run& one, const Run& other, std::uint32_t known) {
         for (int i = 0; i < one.table.count; ++i) {

@@ -285,7 +285,10 @@ def test_the_kind_is_what_the_header_or_its_folder_says(project: Path, tmp_path:
         (("build", "absent.hpp"), "absent.hpp is no file"),
         (("build", "empty.hpp"), "empty.hpp declares no component: `adcs new controller my_law` writes one"),
         (("build", "my__law.hpp"), "my__law.hpp: small letters, digits and underscores make the name of a header"),
-        (("build", "wrong.hpp"), "there is no `struct Wrong`; a component's struct has its file's name in CamelCase"),
+        (
+            ("build", "wrong.hpp"),
+            "wrong.hpp:1: there is no `struct Wrong`, but Other; a component's struct has its file's name in",
+        ),
         (("new", "controler", "x"), 'Did you mean "controller"?'),
         (("new", "controller", "MyLaw"), "'MyLaw' is no name for a file: small letters, digits and underscores"),
         (("new", "controller", "empty"), "empty.hpp is there already: take another name, or another folder by --to"),

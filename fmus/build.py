@@ -48,7 +48,10 @@ DESCRIBE_FLAGS = (
     "-DADCS_DESCRIBE",
     "-ftemplate-backtrace-limit=0",  # the line of the header is among what would be left out
     # what a law is never meant to be, and compiles; it is the first program that is made of a header
-    *(f"-Werror={each}" for each in ("uninitialized", "return-type", "unused-comparison", "division-by-zero")),
+    *(
+        f"-Werror={each}"
+        for each in ("uninitialized", "return-type", "unused-comparison", "division-by-zero", "array-bounds")
+    ),
 )
 """With which the program is compiled that says what a component declares."""
 

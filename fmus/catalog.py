@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import Literal
 
-from fmus.code import Place, code_lines
+from fmus.code import Place, code_lines, line_of
 from fmus.errors import AdcsError
 from fmus.freshness import orphaned
 from fmus.packages import GROUP, component_files, points, warn_once
@@ -125,7 +125,9 @@ def from_header(path: Path) -> Component:
     said = re.search(r'\bkind\s*=\s*"(\w*)"', code)
     kind = said[1] if said else KINDS.get(header.parent.name) or _assumed_kind(header, found.kind)
     if kind not in KINDS.values():
-        raise AdcsError(f"{path}: kind = {kind!r} is unknown: use {' or '.join(KINDS.values())}")
+        raise AdcsError(
+            f"{line_of(header, 'kind') or path}: kind = {kind!r} is unknown: use {' or '.join(KINDS.values())}"
+        )
     return replace(found, kind=kind, header=header, root=header.parent)
 
 

@@ -90,7 +90,7 @@ def _errors(output: str) -> Iterator[Error]:
 def _simple(text: str) -> str:
     """Return a compiler's words with the types called as headers call them."""
     text = re.sub(r" \(aka '[^']*'\)| \[-W\S+\]$", "", text).replace("adcs::detail::", "").replace("adcs::", "")
-    text = re.sub(r"Lifted<(?:double|Bits)>", "T", text)
+    text = re.sub(r"Lifted<(?:double|Bits)>|\b(?:Real)?Scalar\b", "T", text)
     for size, name in {"3, 1": "Vec3", "4, 1": "Quat", "3, 3": "Mat3"}.items():
         text = re.sub(rf"Eigen::Matrix<(\w+), {size}(?:, [^<>]*)?>", rf"{name}<\1>", text)
     return text

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cache
 
-from fmus.checks.functions import FUNCTIONS, advice
+from fmus.checks.functions import FUNCTIONS, advice, offered
 from fmus.code import Place, code_lines
 from fmus.describe import NOT_PRINTED
 from fmus.errors import shown
@@ -66,6 +66,10 @@ def _unknown(found: re.Match[str], about: _About) -> str:
         return f"{name} is not known here (namespace adcs {{ ... }} has to be around the struct)"
     if name in FUNCTIONS:
         return f"there is no {name} for T: {advice(f'std::{name}')}"
+    if name == "V":
+        return "V is not known here (template <class V> before void declare(V& v))"
+    if name in _verbs():
+        return f"there is no {name} by itself (write v.{name})"
     if name in _units():
         return f"there is no {name} (write unit::{name})"
     if name in _MEMBERS:
@@ -73,11 +77,15 @@ def _unknown(found: re.Match[str], about: _About) -> str:
     if name in _WRITTEN:
         return f"there is no {name} ({_WRITTEN[name]})"
     own = {word for _, line in code_lines(about.place.path) for word in re.findall(r"[A-Za-z_]\w+", _bare(line))}
-    return f"there is no {name}{_meant(name, own - _WORDS | {*_TYPES}, otherwise='is it a variable of the struct?')}"
+    return f"there is no {name}{_meant(name, own - _WORDS | {*_TYPES}, otherwise=f'T {name} = ...; makes a variable')}"
 
 
 def _units() -> tuple[str, ...]:
     return _offered("fmi/units.hpp", r"constexpr Unit (\w+)")
+
+
+def _verbs() -> tuple[str, ...]:
+    return _offered("fmi/declaration.hpp", r"(?:Refine|void) (time|input|output|parameter|seed|state|held)\(")
 
 
 def _bare(line: str) -> str:
@@ -96,8 +104,7 @@ def _no_member(found: re.Match[str], about: _About) -> str:
     if name == about.component:
         return f"struct {name} is not in the project's namespace (namespace adcs {{ ... }} around it)"
     if re.match(r"Declare\b|SetTime\b|EachState\b|Ignore$", of):
-        verbs = _offered("fmi/declaration.hpp", r"(?:Refine|void) (time|input|output|parameter|seed|state|held)\(")
-        return f"a declaration has no v.{name}{_meant(name, verbs, 'v.', 'it has v.' + ', v.'.join(verbs))}"
+        return f"a declaration has no v.{name}{_meant(name, _verbs(), 'v.', 'it has v.' + ', v.'.join(_verbs()))}"
     if re.match(r"(?:Ignore::)?Refine\b", of):
         name = {"min": "at_least", "max": "at_most"}.get(name, name)
         more = _offered("fmi/declaration.hpp", r"Refine& (\w+)\(")
@@ -107,8 +114,11 @@ def _no_member(found: re.Match[str], about: _About) -> str:
     return ""
 
 
-def _call(found: re.Match[str], _about: _About) -> str:
+def _call(found: re.Match[str], about: _About) -> str:
     name = found["name"]
+    before, after = about.place.source[: about.place.column - 1], about.place.source[about.place.column - 1 :]
+    if name in offered() and after.startswith(name) and not before.endswith("::"):
+        return f"{name}(x) takes one number (a vector goes element by element)"
     if name in FUNCTIONS:
         return f"a number of type T is handed to {advice(f'std::{name}')}"
     if name in _WRITTEN:
@@ -144,7 +154,14 @@ def _word(_found: re.Match[str], about: _About) -> str:
     if re.search(r"\d,\d*$", before):
         return "a number has a point and no comma (1.0)"
     macro = next((found[1] for note in about.notes if (found := re.match(r"expanded from macro '(\w+)'", note))), None)
-    return f"{macro} is a macro of the C library (take another name)" if macro else ""
+    if macro is not None:
+        return f"{macro} is a macro of the C library (take another name)"
+    return f"something is missing here, or too much{_behind(before)}"
+
+
+def _behind(before: str) -> str:
+    last = re.search(r'("[^"]*"|[\w.]+|[^\w\s]+)\s*$', before)
+    return f" behind {last[1]}" if last else ""
 
 
 def _missing(found: re.Match[str], about: _About) -> str:
@@ -152,14 +169,13 @@ def _missing(found: re.Match[str], about: _About) -> str:
     before, after = about.place.source[: about.place.column - 1], about.place.source[about.place.column - 1 :]
     if after[:1] in ("{", "(", "["):
         return f"this '{after[0]}' is closed nowhere (a '{found[1]}' is missing)"
-    last = re.search(r'("[^"]*"|[\w.]+|\S)\s*$', before)
     also = " or a ','" if found[1] == ")" else ""
     more = ""
     if after.lstrip().startswith("#"):
         more = " (a comment begins with //)"
     elif after.startswith("}"):
         more = ", or one '}' there is too many"
-    return f"a '{found[1]}'{also} is missing{f' behind {last[1]}' if last else ''}{more}"
+    return f"a '{found[1]}'{also} is missing{_behind(before) or ' before this'}{more}"
 
 
 def _operands(found: re.Match[str], about: _About) -> str:
@@ -246,7 +262,12 @@ _RULES: tuple[tuple[str, str | Callable[[re.Match[str], _About], str]], ...] = (
     (r"lambda capture list", "[...] makes no vector in C++ (write {x, y, z})"),
     (r"expected (?:member name|unqualified-id|a type|expression)", _word),
     (r"expected ';' after struct", "expected ';' after the struct, or a '}' inside it"),
-    (r"expected '([;)}\]])'", _missing),
+    (r"expected '\(' after '(\w+)'", r"the condition stands in brackets, as in \1 (x > 0.0)"),
+    (r"expected '([;(){}\]])'", _missing),
+    (r"member reference type '.*' is not a pointer", "-> is for pointers (write a point)"),
+    (r"invalid preprocessing directive", "no such word stands behind # (#pragma once, #include)"),
+    (r'expected "FILENAME"', 'the name of what is included stands in quotes (#include "fmi/declaration.hpp")'),
+    (r"array index (-?\d+) is (?:past|before)", r"an array has no element \1 (they are counted from 0)"),
     (r"function definition is not allowed here", "a '}' is missing before this function"),
     (r"type specifier is required", "a type is missing (void before a function; T or Vec3<T> before a variable)"),
     (r"unexpected character <U\+(\w+)>", lambda found, _: f'C++ has no {chr(int(found[1], 16))} (quotes are ")'),
@@ -277,6 +298,8 @@ _RULES: tuple[tuple[str, str | Callable[[re.Match[str], _About], str]], ...] = (
     ),
     (r"'auto' not allowed in non-static", "auto is for what is static (write static constexpr auto, or the type)"),
     (r"void function '(\w+)' should not return", r"\1() returns nothing (it sets the variables that are declared)"),
+    (r"redefinition of '(\w+)'", r"\1 is there already, in the header or in one of the project (take another name)"),
+    (r"(?:class member cannot be redeclared|redeclaration of)", "it is there twice (leave one of them out)"),
     (r"duplicate member '(\w+)'", r"\1 is there twice (take another name for one of them)"),
     (r"with exceptions disabled", "exceptions are not possible in an FMU (validate() refuses values)"),
     (r"'(?P<name>[^']+)' file not found", _not_found),

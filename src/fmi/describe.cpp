@@ -216,6 +216,8 @@ bool is_name(const char* name) {
 bool are_names_right(const Table& table) {
     for (const Variable& v : table) {
         if (v.role == Role::derivative) continue;  // goes by the state's name
+        if (!(v.nominal > 0.0))
+            return refuse(v, "the nominal value of ", " has to be above 0 (how large it usually is)");
         if (!is_name(v.name)) return refuse(v, "'", "' is no name of a variable (letters, digits and underscores)");
         for (const Variable* earlier = table.begin(); earlier != &v; ++earlier) {
             if (earlier->role != Role::derivative && std::strcmp(v.name, earlier->name) == 0)
@@ -351,6 +353,19 @@ bool adcs::is_kept(const Table& table) {
     return true;
 }
 
+bool adcs::is_repeated(const Table& table) {
+    for (const Variable& v : table) {
+        if ((!is_of_outputs(v) && v.role != Role::derivative) ||
+            std::memcmp(Kept(v).before, v.data, Kept(v).bytes) == 0)
+            continue;
+        begin_line();
+        std::fprintf(stderr, "gives another %s%s when it is called again (what keeps a value is a v.state or v.held)\n",
+                     v.role == Role::derivative ? "derivative of " : "", v.name);
+        return false;
+    }
+    return true;
+}
+
 void adcs::shift(const Table& table) {
     for (const Variable& v : table) {
         if (v.type != Type::float64 || only_read(v) == nullptr) continue;
@@ -364,8 +379,8 @@ void adcs::refuse_call(const char* expected, const char* where) {
     if (of != nullptr) of = std::strchr(of, ',');
     const bool known = of != nullptr && std::sscanf(of, ", %d, %d", &rows, &columns) == 2;
     begin_line();
-    if (std::strstr(where, "CommaInitializer") != nullptr) {
-        std::fprintf(stderr, "puts another number of elements behind << than a vector or matrix has\n");
+    if (std::strstr(where, "CommaInitializer") != nullptr || std::strstr(expected, "list_size") != nullptr) {
+        std::fprintf(stderr, "puts another number of elements into a vector or matrix than it has\n");
     } else if (known && std::strstr(expected, ">= 0") != nullptr) {
         std::fprintf(stderr, "takes an element that a %s of %d", columns == 1 ? "vector" : "matrix", rows);
         if (columns != 1) std::fprintf(stderr, " x %d", columns);

@@ -44,6 +44,10 @@ void unset(const Table& table);
 void enter(const char* function, const Table& table);
 bool is_kept(const Table& table);
 
+/// Whether outputs and derivatives are as they were before: asked after functions were called once more, which may not
+/// depend on how often that is done.
+bool is_repeated(const Table& table);
+
 /// Moves what the law is a function of a little away from the start values: what is multiplied shows where it is not 0.
 void shift(const Table& table);
 
@@ -70,6 +74,10 @@ int describe(const char* name) {
         enter("derivatives()", table);
         component.derivatives();
         if (!is_kept(table) || !are_derivatives_set(table)) return declares_wrong;
+        enter(has.outputs ? "outputs()" : "derivatives()", table);
+        component.outputs();
+        component.derivatives();
+        if (!is_repeated(table)) return declares_wrong;
         component.reset();
     }
     enter("", table);

@@ -129,11 +129,21 @@ def described(folder: Path, *changes: tuple[str, str]) -> str:
         (MEMBER, "new is a word of C++ (take another name)", [("T k", "T new")]),
         (MEMBER, "M_PI is a macro of the C library (take another name)", [("T k", "T M_PI"), (", k, ", ", M_PI, ")]),
         (MEMBER, "omega is there twice (take another name for one of them)", [("T k", "T omega, k")]),
+        (SET, "the condition stands in brackets, as in if (x > 0.0)", [(BODY, "if k > 0.0 torque = omega;")]),
+        (SET, "something is missing here, or too much behind &&", [(BODY, "if (k > 0.0 &&) torque = omega;")]),
+        (8, "a '{' is missing before this", [("namespace adcs {", "namespace adcs")]),
+        (2, "no such word stands behind # (#pragma once, #include)", [("#pragma", "#pragmas")]),
+        (4, "the name of what is included stands in quotes", [
+            ("#pragma once\n", "#pragma once\n\n#include gain.hpp\n")]),
         # names
         (9, "there is no `struct MyLaw`, but YourLaw; a component's struct has its file's name", [
             ("MyLaw", "YourLaw")]),
         (9, "a component is a struct, whose members are public (struct MyLaw)", [("struct", "class")]),
         (13, "T is not known here (template <class T> before struct MyLaw)", [("template <class T>\n", "")]),
+        (18, "V is not known here (template <class V> before void declare(V& v))", [("template <class V>", "")]),
+        (SET, "there is no x (T x = ...; makes a variable)", [(BODY, f"x = k; {BODY}")]),
+        (19, "there is no input by itself (write v.input)", [("v.input", "input")]),
+        (19, "-> is for pointers (write a point)", [("v.input", "v->input")]),
         (21, "there is no N_m (write unit::N_m)", [("unit::N_m,", "N_m,")]),
         (DECLARED, "unit is a namespace (two colons, as in unit::name)", [("unit::N_m_s", "unit.N_m_s")]),
         (DECLARED, "a declaration has no .min() (write .at_least())", [("above", "min")]),
@@ -160,14 +170,24 @@ def described(folder: Path, *changes: tuple[str, str]) -> str:
             ("template <class T>\n", "using T = double;\n")]),
         (13, "Vec3 is not known here (namespace adcs { ... } has to be around the struct)", [
             ("namespace adcs {\n", ""), ("}  // namespace adcs\n", "")]),
+        (DECLARED, "the nominal value of k has to be above 0 (how large it usually is)", [("above(0)", "nominal(0)")]),
         # functions
+        (SET, "outputs() gives another torque when it is called again (what keeps a value is a v.state or v.held)", [
+            ("T k = 1.0", "T last = 0.0; T k = 1.0"), (BODY, "torque = last * omega; last = k;")]),
+        (SET, "outputs() gives another torque when it is called again", [(BODY, "torque = rand() * omega;")]),
+        (SET, "an array has no element 3 (they are counted from 0)", [(BODY, "T a[3]{}; torque = a[3] * omega;")]),
+        (SET, "outputs() puts another number of elements into a vector or matrix than it has", [
+            (BODY, "torque = Mat3<T>{{1.0, 0.0, 0.0}, {0.0, 1.0}, {0.0, 0.0, 1.0}} * omega;")]),
+        (SET, "a number of type T is put into double, which carries no", [
+            (BODY, "double n = omega.norm(); torque = n * omega;")]),
+        (SET, "sin(x) takes one number (a vector goes element by element)", [(BODY, "torque = sin(omega);")]),
         (SET, "outputs() takes an element that a vector of 3 does not have (they are counted from 0)", [
             (BODY, "torque = -k * omega * omega[5];")]),
         (SET, "outputs() takes an element that a vector of 3 does not have", [
             (BODY, "torque = omega; torque(3) = k;")]),
         (SET, "outputs() takes an element that a matrix of 3 x 3 does not have", [
             (BODY, "torque = Mat3<T>::Identity().eval()(3, 0) * omega;")]),
-        (SET, "outputs() puts another number of elements behind << than a vector or matrix has", [
+        (SET, "outputs() puts another number of elements into a vector or matrix than it has", [
             (BODY, "torque << 1.0, 2.0;")]),
         (SET, "outputs() changes the input omega (compute into a variable of its own", [
             (BODY, f"omega *= 0.5; {BODY}")]),

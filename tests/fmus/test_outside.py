@@ -275,7 +275,9 @@ def test_the_kind_is_what_the_header_or_its_folder_says(project: Path, tmp_path:
     header.write_text(text.replace('    static constexpr auto kind = "controller";\n', ""))
     assert catalog.find(str(header)).kind == "sensor"
     header.write_text(text.replace('kind = "controller"', 'kind = "wheel"'))
-    with pytest.raises(adcs.AdcsError, match=r"kind = 'wheel' is unknown: use guidance or plant or environment or"):
+    with pytest.raises(
+        adcs.AdcsError, match=r"rate_law\.hpp:13: kind = 'wheel' is unknown: use guidance or plant or environment or"
+    ):
         catalog.find(str(header))
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from functools import cache
 
 from fmus.checks.functions import FUNCTIONS, advice, offered
 from fmus.code import Place, code_lines
 from fmus.describe import NOT_PRINTED
 from fmus.errors import shown
+from fmus.known_names import MEMBERS, TYPES, WORDS, WRITTEN, refinements, units, verbs
 from fmus.paths import SOURCES
 from fmus.spelling import close
 
@@ -52,40 +52,26 @@ def _meant(name: str, known: Iterable[str], prefix: str = "", otherwise: str = "
     return f" ({otherwise})" if otherwise else ""
 
 
-@cache
-def _offered(file: str, pattern: str) -> tuple[str, ...]:
-    """Return what a header of this project's offers."""
-    return tuple(dict.fromkeys(re.findall(pattern, (SOURCES / file).read_text(encoding="utf-8"))))
-
-
 def _unknown(found: re.Match[str], about: _About) -> str:
     name = found["name"]
     if name == "T":
         return f"T is not known here (template <class T> before struct {about.component})"
-    if name in ("unit", *_TYPES, "SampleTimes"):
+    if name in ("unit", *TYPES, "SampleTimes"):
         return f"{name} is not known here (namespace adcs {{ ... }} has to be around the struct)"
     if name in FUNCTIONS:
         return f"there is no {name} for T: {advice(f'std::{name}')}"
     if name == "V":
         return "V is not known here (template <class V> before void declare(V& v))"
-    if name in _verbs():
+    if name in verbs():
         return f"there is no {name} by itself (write v.{name})"
-    if name in _units():
+    if name in units():
         return f"there is no {name} (write unit::{name})"
-    if name in _MEMBERS:
+    if name in MEMBERS:
         return f"there is no {name}() by itself (a vector or matrix has it: x.{name}())"
-    if name in _WRITTEN:
-        return f"there is no {name} ({_WRITTEN[name]})"
+    if name in WRITTEN:
+        return f"there is no {name} ({WRITTEN[name]})"
     own = {word for _, line in code_lines(about.place.path) for word in re.findall(r"[A-Za-z_]\w+", _bare(line))}
-    return f"there is no {name}{_meant(name, own - _WORDS | {*_TYPES}, otherwise=f'T {name} = ...; makes a variable')}"
-
-
-def _units() -> tuple[str, ...]:
-    return _offered("fmi/units.hpp", r"constexpr Unit (\w+)")
-
-
-def _verbs() -> tuple[str, ...]:
-    return _offered("fmi/declaration.hpp", r"(?:Refine|void) (time|input|output|parameter|seed|state|held)\(")
+    return f"there is no {name}{_meant(name, own - WORDS | {*TYPES}, otherwise=f'T {name} = ...; makes a variable')}"
 
 
 def _bare(line: str) -> str:
@@ -95,19 +81,19 @@ def _bare(line: str) -> str:
 def _no_member(found: re.Match[str], about: _About) -> str:
     name, of = found["name"], found["of"]
     if of == "unit":
-        return f"there is no unit::{name}{_meant(name, _units(), 'unit::', 'src/fmi/units.hpp has all')}"
+        return f"there is no unit::{name}{_meant(name, units(), 'unit::', 'src/fmi/units.hpp has all')}"
     if of == "std":
         printing = name in ("cout", "cerr", "clog", "endl", "printf", "puts", "print", "format")
         return NOT_PRINTED if printing else f"there is no std::{name} here (does the header include what has it?)"
     if re.match(r"(?:const )?(?:Vec3|Mat3|Quat|Eigen::)", of):
-        return f"a vector or matrix has no .{name}{_meant(name, _MEMBERS, '.', 'Eigen has e.g. .dot(y) and .norm()')}"
+        return f"a vector or matrix has no .{name}{_meant(name, MEMBERS, '.', 'Eigen has e.g. .dot(y) and .norm()')}"
     if name == about.component:
         return f"struct {name} is not in the project's namespace (namespace adcs {{ ... }} around it)"
     if re.match(r"Declare\b|SetTime\b|EachState\b|Ignore$", of):
-        return f"a declaration has no v.{name}{_meant(name, _verbs(), 'v.', 'it has v.' + ', v.'.join(_verbs()))}"
+        return f"a declaration has no v.{name}{_meant(name, verbs(), 'v.', 'it has v.' + ', v.'.join(verbs()))}"
     if re.match(r"(?:Ignore::)?Refine\b", of):
         name = {"min": "at_least", "max": "at_most"}.get(name, name)
-        more = _offered("fmi/declaration.hpp", r"Refine& (\w+)\(")
+        more = refinements()
         if name in more:
             return f"a declaration has no .{found['name']}() (write .{name}())"
         return f"a declaration has no .{name}(){_meant(name, more, '.', 'it has .' + ', .'.join(more))}"
@@ -116,13 +102,13 @@ def _no_member(found: re.Match[str], about: _About) -> str:
 
 def _call(found: re.Match[str], about: _About) -> str:
     name = found["name"]
-    before, after = about.place.source[: about.place.column - 1], about.place.source[about.place.column - 1 :]
+    before, after = about.place.before, about.place.after
     if name in offered() and after.startswith(name) and not before.endswith("::"):
         return f"{name}(x) takes one number (a vector goes element by element)"
     if name in FUNCTIONS:
         return f"a number of type T is handed to {advice(f'std::{name}')}"
-    if name in _WRITTEN:
-        return f"{name}() does not take these arguments ({_WRITTEN[name]})"
+    if name in WRITTEN:
+        return f"{name}() does not take these arguments ({WRITTEN[name]})"
     return f"{name}() does not take these arguments"
 
 
@@ -147,9 +133,9 @@ def _member_call(found: re.Match[str], about: _About) -> str:
 
 def _word(_found: re.Match[str], about: _About) -> str:
     """Tell of a word that cannot be a name, at the place or before it."""
-    before, after = about.place.source[: about.place.column - 1], about.place.source[about.place.column - 1 :]
+    before, after = about.place.before, about.place.after
     for word in (*re.findall(r"^\w+", after), *re.findall(r"(\w+)\s*$", before)):
-        if word in _WORDS:
+        if word in WORDS:
             return f"{word} is a word of C++ (take another name)"
     if re.search(r"\d,\d*$", before):
         return "a number has a point and no comma (1.0)"
@@ -166,7 +152,7 @@ def _behind(before: str) -> str:
 
 def _missing(found: re.Match[str], about: _About) -> str:
     """Tell of a sign that is missing, by what stands before it; of a bracket, by what opens it if that is the place."""
-    before, after = about.place.source[: about.place.column - 1], about.place.source[about.place.column - 1 :]
+    before, after = about.place.before, about.place.after
     if after[:1] in ("{", "(", "["):
         return f"this '{after[0]}' is closed nowhere (a '{found[1]}' is missing)"
     also = " or a ','" if found[1] == ")" else ""
@@ -182,7 +168,7 @@ def _operands(found: re.Match[str], about: _About) -> str:
     """Tell of an operator between what it is not for."""
     if "stream" in found[0]:
         return NOT_PRINTED
-    if about.place.source[about.place.column - 1 :].startswith("^"):
+    if about.place.after.startswith("^"):
         return "^ is no power in C++ (write x * x)"
     return (
         "an operator stands between what it is not for, such as a vector and a number "
@@ -305,28 +291,3 @@ _RULES: tuple[tuple[str, str | Callable[[re.Match[str], _About], str]], ...] = (
     (r"'(?P<name>[^']+)' file not found", _not_found),
 )
 """What a compiler says, and how it is said here: a template of the match, or what makes a text; empty for none."""
-
-_TYPES = ("Vec3", "Mat3", "Quat")
-_MEMBERS = (
-    *("dot", "cross", "norm", "squaredNorm", "normalized", "cwiseProduct", "cwiseAbs", "sum", "minCoeff", "maxCoeff"),
-    *("transpose", "inverse", "determinant", "trace", "diagonal", "row", "col", "head", "tail", "segment", "block"),
-)
-_TWO = "two numbers of type T: std::{0}<T>(x, y)"
-_PLAIN = "of a number of type T it would lose the derivatives; {0}(value_of(x)) is for decisions"
-_WRITTEN = (
-    {name: _TWO.format(name) for name in ("min", "max")}
-    | dict.fromkeys(("abs", "fabs"), "write abs(x)")
-    | {name: _PLAIN.format(f"std::{name}") for name in ("floor", "ceil", "round", "trunc", "fmod")}
-    | {"sign": "write x > 0.0 ? 1.0 : -1.0", "self": "variables go by their bare names", "pi": "write 3.14159265358979"}
-)
-"""How it is written what is looked for by a name."""
-
-_CPP = """
-alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t class compl
-const const_cast constexpr continue decltype default delete do double dynamic_cast else enum explicit export
-extern false float for friend goto if inline int long mutable namespace new noexcept not not_eq nullptr
-operator or or_eq private protected public register reinterpret_cast return short signed sizeof static
-static_assert static_cast struct switch template this thread_local throw true try typedef typeid typename
-union unsigned using virtual void volatile wchar_t while xor xor_eq
-"""
-_WORDS = frozenset(_CPP.split())

@@ -295,7 +295,7 @@ def test_a_law_that_ends_the_process_is_told(tmp_path: Path) -> None:
 
 
 def test_an_unchanged_law_is_none_of_these(tmp_path: Path) -> None:
-    (tmp_path / "my_law.hpp").write_text(LAW.replace(BODY, "torque = 4 / 2 * k * omega / 3;"))
+    (tmp_path / "my_law.hpp").write_text(LAW.replace(BODY, "torque = 4 / 2 * std::min<T>(k, 1.0) * omega / 3;"))
     assert describe(str(tmp_path / "my_law.hpp")).name == "MyLaw"
 
 

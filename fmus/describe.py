@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, shown
 from fmus.process_end import how
 
 
@@ -144,8 +144,9 @@ def described(program: Path) -> dict[str, Any]:
     if result.returncode == REFUSED:
         raise Misdeclared(result.stderr)
     if result.returncode != 0:
-        why = "(a whole number divided by 0, or an element that an array does not have?)"
-        raise Misdeclared(f"\tits law ends the process: {how(result.returncode)} {why}")
+        said = shown(result.stderr.strip())
+        why = f": {said}" if said else " (a whole number divided by 0, or an element that an array does not have?)"
+        raise Misdeclared(f"\tits law ends the process: {how(result.returncode)}{why}")
     if not result.stdout.startswith("{"):
         raise Misdeclared("\t" + NOT_PRINTED)
     try:

@@ -284,6 +284,7 @@ _RULES: tuple[tuple[str, str | Callable[[re.Match[str], _About], str]], ...] = (
     ),
     (r"'auto' not allowed in non-static", "auto is for what is static (write static constexpr auto, or the type)"),
     (r"void function '(\w+)' should not return", r"\1() returns nothing (it sets the variables that are declared)"),
+    (r"declaration of '(\w+)' shadows template parameter", r"\1 is what the template calls a type (take another name)"),
     (r"redefinition of '(\w+)'", r"\1 is there already, in the header or in one of the project (take another name)"),
     (r"(?:class member cannot be redeclared|redeclaration of)", "it is there twice (leave one of them out)"),
     (r"duplicate member '(\w+)'", r"\1 is there twice (take another name for one of them)"),

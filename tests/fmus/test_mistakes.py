@@ -128,6 +128,10 @@ def described(folder: Path, *changes: tuple[str, str]) -> str:
         (25, "expected ';' after the struct, or a '}' inside it", [("};\n\n}", "}\n\n}")]),
         (MEMBER, "new is a word of C++ (take another name)", [("T k", "T new")]),
         (MEMBER, "M_PI is a macro of the C library (take another name)", [("T k", "T M_PI"), (", k, ", ", M_PI, ")]),
+        (MEMBER, "T is what the template calls a type (take another name)", [("T k", "T T")]),
+        (SET, "x is there already, in the header or in one of the project (take another name)", [
+            (BODY, f"T x = k; T x = 1.0; {BODY}")]),
+        (25, "it is there twice (leave one of them out)", [(OUTPUTS, f"{OUTPUTS}\n{OUTPUTS}")]),
         (MEMBER, "omega is there twice (take another name for one of them)", [("T k", "T omega, k")]),
         (SET, "the condition stands in brackets, as in if (x > 0.0)", [(BODY, "if k > 0.0 torque = omega;")]),
         (SET, "something is missing here, or too much behind &&", [(BODY, "if (k > 0.0 &&) torque = omega;")]),

@@ -88,17 +88,32 @@ def names_system(name: str) -> bool:
 
 
 def fmus_meant(name: str) -> list[Path]:
-    """Return the FMUs of a component, of all components of a system, or the one that has this path."""
+    """Return the FMUs of a component, of all components of a system, in a folder, or the one that has this path."""
     if names_system(name):
         parts = find_system(name).build().components.values()
         return list(dict.fromkeys(path for part in parts for path in fmus_meant(str(part.source))))
     if ready_made(name) is not None:
         return list(catalog.brought(name)[name].fmus)
+    if Path(name).suffix != ".fmu" and Path(name).is_dir():
+        return _in_folder(Path(name))
     if Path(name).suffix != ".fmu":
         return fmus_of(find_component(name))
     if not Path(name).is_file():
         raise AdcsError(f"{name} is no file")
     return [Path(name)]
+
+
+def _in_folder(folder: Path) -> list[Path]:
+    """Return the FMUs of the headers in a folder, built if need be, and what else lies there as an .fmu."""
+    there = sorted(folder.glob("*.fmu"))
+    try:
+        of_headers = [path for component in catalog.meant(str(folder)) for path in fmus_of(component)]
+    except AdcsError:
+        if not there or any(folder.glob("*.hpp")):
+            raise
+        of_headers = []
+    known = {path.resolve() for path in of_headers}
+    return [*of_headers, *(path for path in there if path.resolve() not in known)]
 
 
 _WAY_OUT = "`adcs list` shows all; or give an .ssp, .py or .fmu file"

@@ -9,6 +9,16 @@
 #define EIGEN_NO_IO
 #define EIGEN_NO_DEBUG
 
+#ifdef ADCS_DESCRIBE
+// The program that asks a component what it declares runs its law, and finds there what would be undefined behaviour in
+// an FMU, which has no checks: elements that are not there, and variables that nothing was put into.
+namespace adcs {
+[[noreturn]] void refuse_call(const char* expected, const char* where);
+}
+#define eigen_assert(x) ((x) ? void() : adcs::refuse_call(#x, __PRETTY_FUNCTION__))
+#define EIGEN_INITIALIZE_MATRICES_BY_NAN
+#endif
+
 #include <Eigen/Core>
 #include <Eigen/LU>
 // The cross product, of Eigen/Geometry, which as a whole brings SVD and QR, a fifth of what an FMU would have to carry.

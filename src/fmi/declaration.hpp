@@ -198,7 +198,8 @@ private:
     /// Of what can be no variable; an exact match above goes before it.
     template <class X>
     Refine add(const char* name, X&, const Unit& unit, const char* description, Causality c, Variability v) {
-        static_assert(!std::is_const_v<X>, "declare() is const, so its variables are, too (leave `const` out)");
+        static_assert(!std::is_const_v<X>,
+                      "a variable is const, or declare() is, and all of them with it (leave `const` out)");
         if constexpr (std::is_base_of_v<Eigen::EigenBase<X>, X>) {
             static_assert(std::is_same_v<typename Eigen::internal::traits<X>::Scalar, T>,
                           "a vector or matrix of another type than T carries no derivatives (write Vec3<T>, Quat<T>, "

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 
 #include "fmi/conditions.hpp"
@@ -217,6 +218,8 @@ bool is_name(const char* name) {
 bool are_names_right(const Table& table) {
     for (const Variable& v : table) {
         if (v.role == Role::derivative) continue;  // goes by the state's name
+        if (!(v.nominal > 0.0))
+            return refuse(v, "the nominal value of ", " has to be above 0 (how large it usually is)");
         if (!is_name(v.name)) return refuse(v, "'", "' is no name of a variable (letters, digits and underscores)");
         for (const Variable* earlier = table.begin(); earlier != &v; ++earlier) {
             if (earlier->role != Role::derivative && std::strcmp(v.name, earlier->name) == 0)
@@ -270,6 +273,44 @@ bool are_functions_there(const Table& table, const Functions& has) {
 /// What no law computes: not a number, of bits of its own that arithmetic keeps but for the sign.
 constexpr std::uint64_t unset_bits = 0x7ff8'5e70'0000'0000;
 
+/// The function that runs.
+const char* running = "";
+double floats_before[Table::scalar_capacity];
+std::int32_t counts_before[Table::scalar_capacity];
+
+/// Prints by what the function that runs is found, and its name: "void outputs(", "outputs()".
+void begin_line() {
+    const int length = static_cast<int>(std::strcspn(running, ")"));
+    if (length > 0) std::fprintf(stderr, "void %.*s", length, running);
+    std::fprintf(stderr, "\t%s ", length > 0 ? running : "it");
+}
+
+/// What a variable is called if the function that runs may not set it; nullptr if it may.
+const char* only_read(const Variable& v) {
+    const bool events = std::strcmp(running, "events()") == 0;
+    if (v.role == Role::state) return events ? nullptr : "the state ";
+    if (v.role == Role::held) return events || std::strcmp(running, "sample()") == 0 ? nullptr : "the held ";
+    switch (v.causality) {
+        case Causality::independent:
+            return "the ";
+        case Causality::parameter:
+            return "the parameter ";
+        case Causality::input:
+            return "the input ";
+        default:
+            return nullptr;
+    }
+}
+
+/// Where the values of a variable are kept, and how many bytes they are.
+struct Kept {
+    explicit Kept(const Variable& v)
+        : before(v.type == Type::float64 ? static_cast<void*>(floats_before + v.vr) : counts_before + v.vr),
+          bytes(v.size * (v.type == Type::float64 ? sizeof(double) : sizeof(std::int32_t))) {}
+    void* before;
+    std::size_t bytes;
+};
+
 bool is_set(const Variable& v) {
     for (std::uint32_t e = 0; e < v.size; ++e) {
         if (math::bits_of(static_cast<const double*>(v.data)[e]) << 1 == unset_bits << 1) return false;
@@ -288,6 +329,88 @@ bool adcs::is_declared_right(const Table& table, const Functions& has) {
         return false;
     }
     return are_names_right(table) && are_functions_there(table, has);
+}
+
+bool adcs::are_start_values_right(const Table& table) {
+    for (const Variable& v : table) {
+        if (v.type != Type::float64 || !has_start(v)) continue;
+        char fault[256];
+        for (std::uint32_t e = 0; e < v.size; ++e) {
+            const double x = static_cast<const double*>(v.data)[e];
+            if (!std::isfinite(x))
+                return refuse(v, "", " has no start value (write one behind its name, as in Vec3<T> x{0.0, 0.0, 0.0})");
+            const bool above = x > v.above, in = x >= v.min && x <= v.max;
+            if (above && in) continue;
+            std::snprintf(fault, sizeof fault,
+                          " starts at %g, which is not %s %g (it starts at what is behind its name)", x,
+                          !above      ? "above"
+                          : x < v.min ? "at least"
+                                      : "at most",
+                          !above      ? v.above
+                          : x < v.min ? v.min
+                                      : v.max);
+            return refuse(v, "", fault);
+        }
+        if (!meets_condition(v, fault, sizeof fault)) {
+            std::fprintf(stderr, "\"%s\"\t%s (it starts at what is behind its name)\n", v.name, fault);
+            return false;
+        }
+    }
+    return true;
+}
+
+void adcs::enter(const char* function, const Table& table) {
+    running = function;
+    for (const Variable& v : table) std::memcpy(Kept(v).before, v.data, Kept(v).bytes);
+}
+
+bool adcs::is_kept(const Table& table) {
+    for (const Variable& v : table) {
+        if (only_read(v) == nullptr || std::memcmp(Kept(v).before, v.data, Kept(v).bytes) == 0) continue;
+        begin_line();
+        std::fprintf(stderr, "changes %s%s (compute into a variable of its own, as in const Vec3<T> x = ...)\n",
+                     only_read(v), v.name);
+        return false;
+    }
+    return true;
+}
+
+bool adcs::is_repeated(const Table& table) {
+    for (const Variable& v : table) {
+        if ((!is_of_outputs(v) && v.role != Role::derivative) ||
+            std::memcmp(Kept(v).before, v.data, Kept(v).bytes) == 0)
+            continue;
+        begin_line();
+        std::fprintf(stderr, "gives another %s%s when it is called again (what keeps a value is a v.state or v.held)\n",
+                     v.role == Role::derivative ? "derivative of " : "", v.name);
+        return false;
+    }
+    return true;
+}
+
+void adcs::shift(const Table& table) {
+    for (const Variable& v : table) {
+        if (v.type != Type::float64 || only_read(v) == nullptr) continue;
+        for (std::uint32_t e = 0; e < v.size; ++e) static_cast<double*>(v.data)[e] += 0.001;
+    }
+}
+
+void adcs::refuse_call(const char* expected, const char* where) {
+    int rows = 0, columns = 0;
+    const char* of = std::strstr(where, "Derived = Eigen::Matrix<");
+    if (of != nullptr) of = std::strchr(of, ',');
+    const bool known = of != nullptr && std::sscanf(of, ", %d, %d", &rows, &columns) == 2;
+    begin_line();
+    if (std::strstr(where, "CommaInitializer") != nullptr || std::strstr(expected, "list_size") != nullptr) {
+        std::fprintf(stderr, "puts another number of elements into a vector or matrix than it has\n");
+    } else if (known && std::strstr(expected, ">= 0") != nullptr) {
+        std::fprintf(stderr, "takes an element that a %s of %d", columns == 1 ? "vector" : "matrix", rows);
+        if (columns != 1) std::fprintf(stderr, " x %d", columns);
+        std::fprintf(stderr, " does not have (they are counted from 0)\n");
+    } else {
+        std::fprintf(stderr, "asks Eigen for what it cannot do: it expects %s\n", expected);
+    }
+    std::_Exit(declares_wrong);
 }
 
 void adcs::unset(const Table& table) {

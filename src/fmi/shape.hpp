@@ -11,6 +11,11 @@
 namespace adcs::detail {
 
 template <class C, class = void>
+constexpr bool has_declare = false;
+template <class C>
+constexpr bool has_declare<C, std::void_t<decltype(std::declval<C&>().declare(std::declval<Declare<double>&>()))>> =
+    true;
+template <class C, class = void>
 constexpr bool has_outputs = false;
 template <class C>
 constexpr bool has_outputs<C, std::void_t<decltype(std::declval<C&>().outputs())>> = true;
@@ -37,11 +42,13 @@ constexpr bool has_stream<C, std::void_t<decltype(C::stream)>> = true;
 template <class C, class = void>
 constexpr bool has_summary = false;
 template <class C>
-constexpr bool has_summary<C, std::void_t<decltype(C::summary)>> = true;
+constexpr bool has_summary<C, std::void_t<decltype(*&C::summary)>> =
+    std::is_convertible_v<decltype(*&C::summary), const char*>;
 template <class C, class = void>
 constexpr bool has_reference = false;
 template <class C>
-constexpr bool has_reference<C, std::void_t<decltype(C::reference)>> = true;
+constexpr bool has_reference<C, std::void_t<decltype(*&C::reference)>> =
+    std::is_convertible_v<decltype(*&C::reference), const char*>;
 template <class C, class = void>
 constexpr bool is_differentiable = true;
 template <class C>
@@ -82,6 +89,8 @@ constexpr bool names_validate<C, std::void_t<decltype(&Both<C>::validate)>> = fa
 /// Refuses a component whose functions would not be called. Each text begins with the name that it is about.
 template <class C>
 constexpr bool is_well_formed() {
+    static_assert(has_declare<C>,
+                  "declare() has to be public and take whoever asks (template <class V> void declare(V& v))");
     static_assert(has_outputs<C> || !names_outputs<C>,
                   "outputs() has to be public and without arguments (void outputs())");
     static_assert(has_derivatives<C> || !names_derivatives<C>,

@@ -145,8 +145,8 @@ class Brought:
     fmus: tuple[Path, ...] = ()
 
 
-def brought(asked: str | None = None) -> dict[str, Brought]:
-    """The components of other packages by name.
+def brought(asked: str | None = None, run_code: bool = True) -> dict[str, Brought]:
+    """The components of other packages by name; without `run_code` those that are found without running theirs.
 
     One whose name something else has, here or there, is told, if it is asked for by that name, or all are.
     """
@@ -154,7 +154,7 @@ def brought(asked: str | None = None) -> dict[str, Brought]:
     if not points(GROUP):
         return found
     own = {component.name for component in components()}
-    for path, package in component_files(quiet=asked in own):
+    for path, package in component_files(asked in own, run_code and asked not in own):
         header = path if is_header(path) else None
         if header is not None and "declare(" not in header.read_text(encoding="utf-8", errors="replace"):
             continue

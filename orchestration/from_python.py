@@ -9,17 +9,16 @@ from collections.abc import Callable
 from functools import partial
 from hashlib import sha256
 from importlib.util import module_from_spec, spec_from_file_location
-from inspect import Parameter, isasyncgenfunction, iscoroutinefunction, isfunction, signature
+from inspect import Parameter, isfunction
 from pathlib import Path
 from types import ModuleType
 from typing import Any, get_args
 
+from fmus.callables import unfit
 from fmus.errors import AdcsError, shown
 from fmus.spelling import close
 from orchestration.fmu.beside import looked_for_in
 from orchestration.system import System
-
-_OPTIONAL = (Parameter.VAR_POSITIONAL, Parameter.VAR_KEYWORD)
 
 
 def is_python(name: str) -> bool:
@@ -120,14 +119,7 @@ def _is_own(value: Any, module: ModuleType) -> bool:
 
 
 def _why_not(function: Callable[..., Any]) -> str:
-    """Say why a function cannot be one that makes a system, in words that follow its name; empty if it can."""
-    if iscoroutinefunction(function) or isasyncgenfunction(function):
-        return "is async, and nobody awaits it: write def, without async"
-    parameters = signature(function).parameters.values()
-    needed = [p.name for p in parameters if p.default is Parameter.empty and p.kind not in _OPTIONAL]
-    if needed:
-        return f"needs {' and '.join(needed)}: write a function without arguments that returns an adcs.System"
-    return ""
+    return unfit(function, "an adcs.System")
 
 
 def _says(function: Callable[..., Any]) -> bool | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -16,6 +17,7 @@ from fmus.built import fmus_of
 from fmus.catalog import Component
 from fmus.demand import ready_made
 from fmus.errors import AdcsError, shown
+from fmus.nearby import instead
 from fmus.spelling import close
 from orchestration.entry import SystemEntry
 from orchestration.from_file import component_alone, is_file, system_from_file
@@ -102,11 +104,18 @@ def fmus_meant(name: str) -> list[Path]:
     if Path(name).suffix != ".fmu":
         return fmus_of(find_component(name))
     if not Path(name).is_file():
-        raise AdcsError(f"{name} is no file")
+        raise AdcsError(f"{name} is no file{instead(name)}")
     return [Path(name)]
 
 
 _WAY_OUT = "`adcs list` shows all; or give an .ssp, .py or .fmu file"
+
+
+def _files_here() -> list[str]:
+    """Return the files with systems that are in this folder, whose suffix may have been left out."""
+    with suppress(OSError):
+        return [path.name for path in sorted(Path().iterdir()) if path.suffix in (".py", ".ssp", ".fmu", ".hpp")]
+    return []
 
 
 def find_system(name: str) -> SystemEntry:
@@ -121,7 +130,7 @@ def find_system(name: str) -> SystemEntry:
         components = [*own, *catalog.brought(name)]
         if name in components:
             return component_alone(name)
-        meant = close(name, [*SYSTEMS, *theirs, *components])
+        meant = close(name, [*SYSTEMS, *theirs, *components, *_files_here()])
         hint = f"did you mean {meant}? " if meant else ""
         raise AdcsError(f"no system {shown(repr(name))}: {hint}{_WAY_OUT}")
     others.warn_of_clashes({name}, "a system")

@@ -11,6 +11,7 @@ from typing import Literal
 
 from fmus.errors import AdcsError
 from fmus.freshness import orphaned
+from fmus.nearby import instead
 from fmus.packages import GROUP, component_files, points, warn_once
 from fmus.paths import BUILD, SOURCES
 from fmus.spelling import close
@@ -112,7 +113,7 @@ def from_header(path: Path) -> Component:
     """The component that a header from anywhere declares; AdcsError in one line if it declares none."""
     header = Path(os.path.abspath(path))  # noqa: PTH100  without `..`, as the compiler names what it includes
     if not header.is_file():
-        raise AdcsError(f"{path} is no file")
+        raise AdcsError(f"{path} is no file{instead(path)}")
     if not re.fullmatch(FILE_NAME, header.stem):
         raise AdcsError(f"{path}: small letters, digits and underscores make the name of a header, as in my_law.hpp")
     found = _component(header, "controller")

@@ -16,6 +16,7 @@ from typing import Any, get_args
 
 from fmus.callables import unfit
 from fmus.errors import AdcsError, shown
+from fmus.nearby import instead
 from fmus.spelling import close
 from orchestration.fmu.beside import looked_for_in
 from orchestration.system import System
@@ -36,7 +37,7 @@ def system_from_python(name: str) -> System:
     """Return the system; AdcsError in one line if there is none, or not one alone, or the file fails."""
     path, wanted = named(name)
     if not path.is_file():
-        raise AdcsError(f"{path} is no file")
+        raise AdcsError(f"{path} is no file{instead(path)}")
     folder = str(path.absolute().parent)
     sys.path.insert(0, folder)  # for what the file imports from beside itself
     before, written = set(sys.modules), sys.dont_write_bytecode

@@ -14,6 +14,7 @@ from cyclopts import App, CycloptsError
 from adcs.cli import slips
 from adcs.cli.command import command
 from fmus.errors import AdcsError
+from fmus.nearby import instead
 
 _FILES = {
     "build": "build",
@@ -94,5 +95,5 @@ def main() -> None:
     except OSError as error:  # a folder that is none, a disk that is full
         if error.filename is None:
             raise
-        print(f"adcs: {error.filename}: {error.strerror}", file=sys.stderr)
+        print(f"adcs: {error.filename}: {error.strerror}{instead(error.filename)}", file=sys.stderr)
         sys.exit(2 if isinstance(error, FileNotFoundError) else 1)

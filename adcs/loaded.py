@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from importlib.metadata import EntryPoint
 from inspect import isclass, iscoroutine
 from types import ModuleType
-from typing import Any
+from typing import Any, TypeVar
 
 from fmus.callables import unfit
 from fmus.errors import AdcsError, Failed, shown
@@ -15,27 +17,38 @@ from orchestration.from_file import entry_of
 from orchestration.system import System
 
 _EXPECTED = "an adcs.System"
+_Made = TypeVar("_Made")
 
 
 def load(point: EntryPoint) -> SystemEntry:
     """Return the system: a `SystemEntry`, a `System`, or what a function returns that is one of them."""
-    cannot = f"the system {point.name} of {package_of(point)} cannot be loaded"
+    found = _telling(point, lambda: _found(point))
+    if isinstance(found, System):
+        return entry_of(found, point.name)
+    return replace(found, make=lambda: _telling(point, found.build))
+
+
+def _telling(point: EntryPoint, work: Callable[[], _Made]) -> _Made:
+    """Do what runs code of the package; an error in it is told with whose it is."""
     try:
-        found = point.load()
-        why = _no_maker(found, point)
-        if not why and callable(found):
-            found = found()
-            why = _no_system(found, f"{point.value} returned")
+        return work()
     except (Exception, SystemExit) as error:
         kind = Failed if isinstance(error, AdcsError) and error.failed else AdcsError
-        text = str(error) if isinstance(error, AdcsError) else f"{type(error).__name__}: {error}"
-        raise kind(f"{cannot}: {shown(text, 300)}") from error
+        why = str(error) if isinstance(error, AdcsError) else f"{type(error).__name__}: {error}"
+        told = f"the system {point.name} of {package_of(point)} cannot be loaded: {shown(why, 300)}"
+        raise kind(told) from error
+
+
+def _found(point: EntryPoint) -> System | SystemEntry:
+    found: Any = point.load()
+    why = _no_maker(found, point)
+    if not why and callable(found):
+        found = found()
+        why = _no_system(found, f"{point.value} returned")
     if why:
-        raise AdcsError(f"{cannot}: {why}")
-    if isinstance(found, SystemEntry):
-        return found
-    assert isinstance(found, System)
-    return entry_of(found, point.name)
+        raise AdcsError(why)
+    assert isinstance(found, System | SystemEntry)
+    return found
 
 
 def _no_maker(found: Any, point: EntryPoint) -> str:

@@ -53,8 +53,8 @@ def _summary(file: str) -> str:
 def _commands(*, listed: bool = False) -> App:
     """All commands, none of them loaded; `listed` is for a list of them all, with their summaries."""
     made = command("adcs")
-    made.help = "Spacecraft attitude control as native FMI components: build them, wire them, run them."
-    made.version = metadata.version("adcs-fmus")
+    about = metadata.metadata("adcs-fmus")  # of pyproject.toml
+    made.help, made.version = f"{about['Summary']}.", about["Version"]
     for name, file in _FILES.items():  # a help that is given here is all that the command's own `--help` would say
         made.command(f"{__package__}.{file}:app", name=name, **({"help": _summary(file)} if listed else {}))
     made.register_install_completion_command(name="--install-completion")

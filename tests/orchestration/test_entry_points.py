@@ -14,12 +14,13 @@ from adcs import listed
 from adcs.catalogue import STUDIES, SYSTEMS, find_system
 from adcs.cli.app import app
 from fmus import catalog
+from orchestration.system import Times
 from tests.invoking import invoke
 
 MODULE = """
 import pathlib
 pathlib.Path(__file__).with_name("was_run").touch()
-from adcs import System
+from adcs import System, SystemEntry
 
 def detumble():
     return System("detumble", "a tumbling body")
@@ -57,6 +58,27 @@ class Waiting:
 
 thing, waiting, number = Object(), Waiting(), 3
 
+def nobody(result):
+    return []
+
+def entry(**more):
+    given = {"make": detumble, "stop_time": 2, "step": 1, "figures": nobody, "key_numbers": nobody}
+    return SystemEntry("full", "with figures", "their paper", **{**given, **more})
+
+full = entry()
+
+def late():
+    return entry(stop_time="60s")
+
+def unmade():
+    return entry(make=detumble())
+
+def makes_nothing():
+    return entry(make=nothing)
+
+def makes_trouble():
+    return entry(make=lambda: 1 / 0)
+
 def refuses():
     System("refuses").connect("a.b", "c.d")
 
@@ -80,6 +102,11 @@ number = their_parts.inner:number
 module = their_parts.inner
 absent = their_parts.inner:absent
 refuses = their_parts.inner:refuses
+their-full = their_parts.inner:full
+late = their_parts.inner:late
+unmade = their_parts.inner:unmade
+makes-nothing = their_parts.inner:makes_nothing
+makes-trouble = their_parts.inner:makes_trouble
 
 [adcs.components]
 laws = their_parts.inner:headers
@@ -116,6 +143,26 @@ def test_a_list_runs_nothing_of_a_package(package: Path) -> None:
 def test_what_may_stand_for_a_system(package: Path) -> None:
     names = ("detumble", "made", "kind", "thing")
     assert [find_system(f"their-{name}").build().name for name in names] == ["detumble", "made", "kind", "object"]
+
+
+def test_an_entry_brings_its_times_and_what_its_report_shows(package: Path) -> None:
+    entry = find_system("their-full")
+    assert (entry.name, entry.reference, entry.build().times) == ("full", "their paper", Times(0.0, 2.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("late", "stop_time = '60s': expected a number"),
+        ("unmade", "make = <System detumble: no components; 0 connections>: expected a function"),
+        ("makes-nothing", "what make of the system full returns = None: expected an adcs.System"),
+        ("makes-trouble", "ZeroDivisionError: division by zero"),
+    ],
+)
+def test_an_entry_with_a_mistake_is_told_in_a_line(package: Path, name: str, why: str) -> None:
+    with pytest.raises(adcs.AdcsError) as refused:
+        find_system(name).build()
+    assert str(refused.value) == f"the system {name} of the package their-parts cannot be loaded: {why}"
 
 
 WRITE = "write a function without arguments that returns an adcs.System"

@@ -18,7 +18,7 @@ from fmus.catalog import Component
 from fmus.demand import ready_made
 from fmus.errors import AdcsError, shown
 from fmus.nearby import instead
-from fmus.spelling import close
+from fmus.spelling import close, some
 from orchestration.entry import SystemEntry
 from orchestration.from_file import component_alone, is_file, system_from_file
 from orchestration.from_python import is_python
@@ -46,6 +46,9 @@ class _Entries(Mapping[str, _Entry]):
 
     def __len__(self) -> int:
         return len(self._names)
+
+    def __repr__(self) -> str:
+        return f"<{some(self)}>"
 
 
 def _own(name: str) -> ModuleType:

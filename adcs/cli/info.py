@@ -36,7 +36,7 @@ def info(
     as_json: Json = False,
 ) -> None:
     """Show the variables of a component or FMU with units and start values, or the components of a system."""
-    path = ready_made(name) or Path(name)
+    path = (None if names_system(name) else ready_made(name)) or Path(name)
     if path.suffix == ".fmu":
         facts = _fmu(open_fmu(path))
     elif is_ssp(name):

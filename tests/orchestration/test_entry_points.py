@@ -136,6 +136,8 @@ def test_a_list_runs_nothing_of_a_package(package: Path) -> None:
     assert not package.exists()
     assert "their-detumble" in adcs.systems() and not package.exists()
     assert find_system("observer-pd").name == "observer-pd" and not package.exists()
+    for own in ("observer-pd", "RigidBody"):
+        assert own in invoke(app, ["info", own]).stdout and not package.exists()
     assert adcs.systems()["their-detumble"].build().description == "a tumbling body"
     assert package.exists()
 
@@ -219,6 +221,7 @@ def test_what_is_listed_is_what_is_there() -> None:
     assert {name: entry.description for name, entry in SYSTEMS.items()} == listed.SYSTEMS
     assert [entry.name for entry in SYSTEMS.values()] == [*listed.SYSTEMS]
     assert [entry.name for entry in STUDIES.values()] == [*listed.STUDIES]
+    assert repr(STUDIES) == "<deruiter, six-dof, thakur, trigo, velocity-free>"
     assert len(SYSTEMS) == 44 and "nothing" not in SYSTEMS
     with pytest.raises(KeyError):
         SYSTEMS["nothing"]

@@ -12,6 +12,7 @@ from typing import Literal
 from fmus.code import Place, code_lines, line_of
 from fmus.errors import AdcsError
 from fmus.freshness import orphaned
+from fmus.nearby import instead
 from fmus.packages import GROUP, component_files, points, warn_once
 from fmus.paths import BUILD, SOURCES
 from fmus.spelling import close
@@ -113,7 +114,7 @@ def from_header(path: Path) -> Component:
     """The component that a header from anywhere declares; AdcsError in one line if it declares none."""
     header = Path(os.path.abspath(path))  # noqa: PTH100  without `..`, as the compiler names what it includes
     if not header.is_file():
-        raise AdcsError(f"{path} is no file")
+        raise AdcsError(f"{path} is no file{instead(path)}")
     if not re.fullmatch(FILE_NAME, header.stem):
         raise AdcsError(f"{path}: small letters, digits and underscores make the name of a header, as in my_law.hpp")
     found = _component(header, "controller")
@@ -148,8 +149,8 @@ class Brought:
     fmus: tuple[Path, ...] = ()
 
 
-def brought(asked: str | None = None) -> dict[str, Brought]:
-    """The components of other packages by name.
+def brought(asked: str | None = None, run_code: bool = True) -> dict[str, Brought]:
+    """The components of other packages by name; without `run_code` those that are found without running theirs.
 
     One whose name something else has, here or there, is told, if it is asked for by that name, or all are.
     """
@@ -157,7 +158,7 @@ def brought(asked: str | None = None) -> dict[str, Brought]:
     if not points(GROUP):
         return found
     own = {component.name for component in components()}
-    for path, package in component_files(quiet=asked in own):
+    for path, package in component_files(asked in own, run_code and asked not in own):
         header = path if is_header(path) else None
         if header is not None and "declare(" not in header.read_text(encoding="utf-8", errors="replace"):
             continue

@@ -204,14 +204,17 @@ def described(folder: Path, *changes: tuple[str, str]) -> str:
             ('v.output("torque"', 'v.sampled(k); v.output("torque"'),
             (OUTPUTS, f"{OUTPUTS}\n    void sample(const Sample&) {{ omega.setZero(); }}")]),
         (25, "events() changes the parameter k (compute into a variable of its own", [
-            ('v.output("torque"', 'v.event("e", e, unit::one, "e"); v.output("torque"'), ("T k = 1.0", "T e = 0.0, k = 1.0"),
-            (OUTPUTS, "    void outputs() { torque = -k * omega; e = k; }\n    void events(const Events&) { k = 2.0; }")]),
+            ('v.output("torque"', 'v.event("e", e, unit::one, "e"); v.output("torque"'),
+            ("T k = 1.0", "T e = 0.0, k = 1.0"),
+            (OUTPUTS, "    void outputs() { torque = -k * omega; e = k; }\n"
+                      "    void events(const Events&) { k = 2.0; }")]),
         (25, "events() has to be public and take what happened (void events(const Events& e))", [
             (OUTPUTS, f"{OUTPUTS}\n    void events() {{}}")]),
         (25, "events() is called at nothing (v.event(...) in declare(), or a held time with .wakes())", [
             (OUTPUTS, f"{OUTPUTS}\n    void events(const Events&) {{}}")]),
         (21, "nothing happens at e (write void events(const Events& e))", [
-            ('v.output("torque"', 'v.event("e", e, unit::one, "e"); v.output("torque"'), ("T k = 1.0", "T e = 0.0, k = 1.0"),
+            ('v.output("torque"', 'v.event("e", e, unit::one, "e"); v.output("torque"'),
+            ("T k = 1.0", "T e = 0.0, k = 1.0"),
             (BODY, f"{BODY} e = k;")]),
         (SET, "min() does not take these arguments (two numbers of type T: std::min<T>(x, y))", [
             (BODY, "torque = std::min(k, 1.0) * omega;")]),

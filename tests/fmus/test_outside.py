@@ -389,13 +389,14 @@ def test_systems_of_other_packages_are_found_by_name(package: Path) -> None:
     )
     listed = json.loads(command(package, "list", "--json", path=str(package)).stdout)
     about = {system["name"]: system["description"] for system in listed["systems"]}
-    assert about["their-detumble"] == "a tumbling body"
-    assert "SystemExit: 3" in about["their-exit"]
+    assert about["their-detumble"] == "their_missions:detumble, of the package their-missions"  # nothing was run
+    assert about["their-exit"] == "their_missions:leave, of the package their-missions"
+    left = command(package, "run", "their-exit", path=str(package))
+    assert left.stderr == "adcs: the system their-exit of the package their-missions cannot be loaded: SystemExit: 3\n"
     alone = json.loads(
         command(package, "run", "RigidBody", "--no-report", "--json", "--stop", "1", path=str(package)).stdout
     )
     assert alone["system"] == "RigidBody"  # names of here come first
-    assert about["their-broken"].startswith("the system their-broken of the package their-missions cannot be loaded")
 
 
 @pytest.fixture(scope="module")
@@ -407,14 +408,15 @@ def laws(project: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     text = (project / "rate_law.hpp").read_text()
     (package / "__init__.py").write_text(
         "from pathlib import Path\n\nHEADERS = 'more/other_law.hpp'\n\n\n"
-        "def several():\n    return [Path(__file__).parent / 'more' / 'rigid_body.hpp', 'more/alone.fmu']\n"
+        "def several():\n    return [Path(__file__).parent / 'more' / 'rigid_body.hpp', 'alone.fmu']\n"
     )
     (package / "their_law.hpp").write_text(text.replace("RateLaw", "TheirLaw"))
+    (package / "magnetometer.hpp").write_text(text.replace("RateLaw", "Magnetometer"))
     (package / "shared.hpp").write_text("#pragma once\n")
     (package / "more" / "other_law.hpp").write_text(text.replace("RateLaw", "OtherLaw").replace("-k *", "-2 * k *"))
     (package / "more" / "rigid_body.hpp").write_text(text.replace("RateLaw", "RigidBody"))
     built = adcs.build([str(package / "their_law.hpp"), str(package / "more" / "other_law.hpp")])
-    shutil.copy(built[2], package / "more" / "alone.fmu")
+    shutil.copy(built[2], package / "alone.fmu")
     for path in built[2:]:
         path.unlink()
     shutil.rmtree(package / ".made")  # as in what is installed
@@ -432,18 +434,20 @@ def laws(project: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_components_of_other_packages_are_found_by_name(laws: Path) -> None:
     ran = command(laws, "list", "--json", path=str(laws))
     listed = {c["name"]: c for c in json.loads(ran.stdout)["components"]}
-    assert [*listed][-3:] == ["TheirLaw", "OtherLaw", "alone"]
+    assert [*listed][-4:] == ["TheirLaw", "alone", "one", "more"]
     assert listed["TheirLaw"]["kind"] == "controller" and [*listed["TheirLaw"]["fmus"]] == ["2.0", "3.0"]
     assert [*listed["alone"]["fmus"]] == ["2.0"]
+    assert listed["one"]["description"] == "more components: their_laws:HEADERS, of the package their-laws"
     told = " ".join(ran.stderr.split())
-    where = laws / "their_laws" / "more" / "rigid_body.hpp"
-    assert f"RigidBody is a component of this project; that of the package their-laws, {where}, goes by its" in told
+    where = laws / "their_laws" / "magnetometer.hpp"
+    assert f"Magnetometer is a component of this project; that of the package their-laws, {where}, goes by its" in told
     assert "the components broken of the package their-laws cannot be found: there is no module their_laws.ab" in told
     assert "observer-pd is a system of this project; that of the package their-laws, their_laws:several, is not" in told
     info = command(laws, "info", "alone", path=str(laws))
     assert info.stdout.startswith("OtherLaw: Torque against the angular velocity") and "RigidBody" not in info.stderr
     clash = command(laws, "info", "RigidBody", path=str(laws))
     assert clash.stdout.startswith("RigidBody (plant)")
+    assert json.loads(command(laws, "info", "OtherLaw", "--json", path=str(laws)).stdout)["name"] == "OtherLaw"
     slip = command(laws, "run", "ThierLaw", path=str(laws)).stderr
     assert "did you mean TheirLaw" in slip
 

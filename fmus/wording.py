@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cache
 
-from fmus.checks.functions import FUNCTIONS, advice
+from fmus.checks.functions import FUNCTIONS, advice, offered, usage
 from fmus.code import Place, code_lines
 from fmus.errors import shown
 from fmus.paths import SOURCES
@@ -87,8 +87,12 @@ def _no_member(found: re.Match[str], about: _About) -> str:
     return ""
 
 
-def _call(found: re.Match[str], _about: _About) -> str:
+def _call(found: re.Match[str], about: _About) -> str:
     name = found["name"]
+    if name in offered() and f"std::{name}" not in about.place.source:
+        return f"{name}() does not take these arguments (write {usage(name)}, of numbers; an element of v is v(0))"
+    if name in offered() and name not in FUNCTIONS:
+        return f"std::{name} knows nothing of numbers of type T (write {usage(name)})"
     if name in FUNCTIONS:
         return f"a number of type T is handed to {advice(f'std::{name}')}"
     return f"{name}() does not take these arguments"

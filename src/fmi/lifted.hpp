@@ -12,12 +12,14 @@
 namespace adcs {
 
 inline double scale(double factor, double tangent) { return factor * tangent; }
+/// The same where the slope can be infinite: what does not change at all, such as x at a limit, has derivative 0 there, too.
+inline double scale_steeply(double slope, double tangent) { return tangent == 0.0 ? 0.0 : slope * tangent; }
 /// Of a value that is one of several: the tangent of the one that was chosen. A Trace joins it with the others.
 inline double chosen(double tangent, double /*other*/) { return tangent; }
 /// What a comparison of two numbers gives: of a Trace, with what it depends on.
 inline bool compared(bool holds, double /*a*/, double /*b*/) { return holds; }
 
-/// Value and tangent; `Tangent` needs `a + b`, `scale(factor, a)`, `chosen(a, other)` and `compared(holds, a, b)`.
+/// Value and tangent; `Tangent` needs `a + b` and what is above.
 ///
 /// Where a function has a kink, or a law chooses, the derivative is that of one side: which one is said at the function.
 template <class Tangent>
@@ -68,7 +70,7 @@ struct Lifted {
 
     friend Lifted sqrt(const Lifted& a) {
         const double root = math::sqrt(a.value);
-        return {root, scale(0.5 / root, a.tangent)};
+        return {root, scale_steeply(0.5 / root, a.tangent)};
     }
     friend Lifted exp(const Lifted& a) {
         const double e = math::exp(a.value);
@@ -86,10 +88,10 @@ struct Lifted {
         return {t, scale(1.0 + t * t, a.tangent)};
     }
     friend Lifted asin(const Lifted& a) {
-        return {math::asin(a.value), scale(1.0 / math::sqrt((1.0 - a.value) * (1.0 + a.value)), a.tangent)};
+        return {math::asin(a.value), scale_steeply(1.0 / math::sqrt((1.0 - a.value) * (1.0 + a.value)), a.tangent)};
     }
     friend Lifted acos(const Lifted& a) {
-        return {math::acos(a.value), scale(-1.0 / math::sqrt((1.0 - a.value) * (1.0 + a.value)), a.tangent)};
+        return {math::acos(a.value), scale_steeply(-1.0 / math::sqrt((1.0 - a.value) * (1.0 + a.value)), a.tangent)};
     }
     friend Lifted atan(const Lifted& a) {
         return {math::atan(a.value), scale(1.0 / (1.0 + a.value * a.value), a.tangent)};
@@ -98,7 +100,7 @@ struct Lifted {
     friend Lifted atan2(const Lifted& y, const Lifted& x) {
         const double r = math::hypot(x.value, y.value);
         return {math::atan2(y.value, x.value),
-                scale(x.value / r / r, y.tangent) + scale(-(y.value / r / r), x.tangent)};
+                scale_steeply(x.value / r / r, y.tangent) + scale_steeply(-(y.value / r / r), x.tangent)};
     }
     friend Lifted sinh(const Lifted& a) { return {math::sinh(a.value), scale(math::cosh(a.value), a.tangent)}; }
     friend Lifted cosh(const Lifted& a) { return {math::cosh(a.value), scale(math::sinh(a.value), a.tangent)}; }
@@ -108,14 +110,14 @@ struct Lifted {
     }
     friend Lifted cbrt(const Lifted& a) {
         const double root = math::cbrt(a.value);
-        return {root, scale(1.0 / (3.0 * root * root), a.tangent)};
+        return {root, scale_steeply(1.0 / (3.0 * root * root), a.tangent)};
     }
     /// Where x is not positive there is no derivative by the exponent, which counts as constant.
     friend Lifted pow(const Lifted& x, const Lifted& y) {
         const double power = math::pow(x.value, y.value);
         const double by_x = y.value == 0.0 ? 0.0 : y.value * math::pow(x.value, y.value - 1.0);
         const double by_y = x.value > 0.0 ? power * math::log(x.value) : 0.0;
-        return {power, scale(by_x, x.tangent) + scale(by_y, y.tangent)};
+        return {power, scale_steeply(by_x, x.tangent) + scale(by_y, y.tangent)};
     }
     /// At the origin the derivative is 0, between those of all sides.
     friend Lifted hypot(const Lifted& x, const Lifted& y) {

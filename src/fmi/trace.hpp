@@ -16,6 +16,7 @@ struct Bits {
     std::bitset<Table::scalar_capacity> set;
     friend Bits operator+(const Bits& a, const Bits& b) { return {a.set | b.set}; }
     friend Bits scale(double /*factor*/, const Bits& a) { return a; }
+    friend Bits scale_steeply(double /*slope*/, const Bits& a) { return a; }
     friend Bits chosen(const Bits& a, const Bits& other) { return a + other; }
 };
 using Trace = Lifted<Bits>;

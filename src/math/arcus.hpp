@@ -54,7 +54,7 @@ T atan2(const Y& y_, const X& x_) {
     const T y = y_, x = x_, infinity = std::numeric_limits<double>::infinity();
     const auto steep = abs(y) > abs(x);
     const T shorter = select(steep, abs(x), abs(y)), longer = select(steep, abs(y), abs(x));
-    const T ratio_of_special = select(shorter == infinity, T(1.0), T(0.0));
+    const T ratio_of_special = select(shorter == infinity, T(1.0), 0.0 * shorter);  // NaN stays
     const auto special = select(longer == infinity, T(0.0), longer) == 0.0;
     const T factor = select(longer > 0x1p990, T(0x1p-100), select(longer < 0x1p-400, T(0x1p600), T(1.0)));
     const auto part =

@@ -1,4 +1,4 @@
-"""The functions of one and of two numbers are off by less than 0.9 units in the last place, for every double there is."""
+"""Functions of one and of two numbers are off by less than 0.9 units in the last place, for every double there is."""
 
 from collections.abc import Callable
 

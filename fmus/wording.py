@@ -131,6 +131,15 @@ def _assigned(_found: re.Match[str], about: _About) -> str:
     return "the two sides of = are of different kinds (Vec3<T>::Constant(x) makes a vector of a number)"
 
 
+def _constant(found: re.Match[str], about: _About) -> str:
+    if not any("is_not_made_of_known_symbols" in note for note in about.notes):
+        return ""
+    return (
+        f"the name of the unit {found['name']} is made of symbols that units.hpp has not (as in kg.m2/s or W/(m2.K); "
+        f'Unit {found["name"]}{{"...", Dimension{{kg, m, s, A, K, rad}}}} says the exponents beside a name of your own)'
+    )
+
+
 def _not_found(found: re.Match[str], about: _About) -> str:
     name, beside = found["name"], about.place.path.parent
     there = [path.relative_to(root).as_posix() for root in (beside, SOURCES) for path in root.rglob("*.hpp")]
@@ -181,6 +190,7 @@ _RULES: tuple[tuple[str, str | Callable[[re.Match[str], _About], str]], ...] = (
     (r"'auto' not allowed in non-static", "auto is for what is static (write static constexpr auto, or the type)"),
     (r"void function '(\w+)' should not return", r"\1() returns nothing (it sets the variables that are declared)"),
     (r"duplicate member '(\w+)'", r"\1 is there twice (take another name for one of them)"),
+    (r"constexpr variable '(?P<name>\w+)' must be initialized by a constant", _constant),
     (r"with exceptions disabled", "exceptions are not possible in an FMU (validate() refuses values)"),
     (r"'(?P<name>[^']+)' file not found", _not_found),
 )

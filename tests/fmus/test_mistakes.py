@@ -139,8 +139,6 @@ def described(folder: Path, *changes: tuple[str, str]) -> str:
         (18, "declares no output", [('v.output("torque", torque, unit::N_m, "torque");', "")]),
         (21, "nothing sets the derivative of torque (write void derivatives())", [
             ('v.output("torque", torque', 'v.state("torque", torque, omega'), (OUTPUTS, "")]),
-        (21, "the unit of the state torque has none for its derivative (a Unit of your own names one)", [
-            ('v.output("torque", torque', 'v.state("torque", torque, omega')]),
         (21, "the derivative of x is not set, or read before it is", [
             ('v.output("torque"', 'v.state("x", x, xDot, unit::one, "x");\nv.output("torque"'),
             ("T k = 1.0", "T x = 0.0, xDot = 0.0, k = 1.0")]),

@@ -12,12 +12,10 @@ MEMBERS = (
     *("dot", "cross", "norm", "squaredNorm", "normalized", "cwiseProduct", "cwiseAbs", "sum", "minCoeff", "maxCoeff"),
     *("transpose", "inverse", "determinant", "trace", "diagonal", "row", "col", "head", "tail", "segment", "block"),
 )
-_TWO = "two numbers of type T: std::{0}<T>(x, y)"
 _PLAIN = "of a number of type T it would lose the derivatives; {0}(value_of(x)) is for decisions"
 WRITTEN = (
-    {name: _TWO.format(name) for name in ("min", "max")}
-    | dict.fromkeys(("abs", "fabs"), "write abs(x)")
-    | {name: _PLAIN.format(f"std::{name}") for name in ("floor", "ceil", "round", "trunc", "fmod")}
+    {"fabs": "write abs(x)"}
+    | {name: _PLAIN.format(f"std::{name}") for name in ("round", "trunc")}
     | {
         "sign": "write x > 0.0 ? 1.0 : -1.0",
         "self": "variables go by their bare names",

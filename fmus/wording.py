@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
-from fmus.checks.functions import FUNCTIONS, advice, offered
+from fmus.checks.functions import FUNCTIONS, advice, offered, usage
 from fmus.code import Place, code_lines
 from fmus.describe import NOT_PRINTED
 from fmus.errors import shown
@@ -102,9 +102,10 @@ def _no_member(found: re.Match[str], about: _About) -> str:
 
 def _call(found: re.Match[str], about: _About) -> str:
     name = found["name"]
-    before, after = about.place.before, about.place.after
-    if name in offered() and after.startswith(name) and not before.endswith("::"):
-        return f"{name}(x) takes one number (a vector goes element by element)"
+    if name in offered() and f"std::{name}" not in about.place.source:
+        return f"{name}() does not take these arguments (write {usage(name)}, of numbers; an element of v is v(0))"
+    if name in offered() and name not in FUNCTIONS:
+        return f"std::{name} knows nothing of numbers of type T (write {usage(name)})"
     if name in FUNCTIONS:
         return f"a number of type T is handed to {advice(f'std::{name}')}"
     if name in WRITTEN:
@@ -182,6 +183,15 @@ def _assigned(_found: re.Match[str], about: _About) -> str:
     if any("not marked const" in note for note in about.notes):
         return "a variable is set in a function that is const (leave `const` out)"
     return "the two sides of = are of different kinds (Vec3<T>::Constant(x) makes a vector of a number)"
+
+
+def _constant(found: re.Match[str], about: _About) -> str:
+    if not any("is_not_made_of_known_symbols" in note for note in about.notes):
+        return ""
+    return (
+        f"the name of the unit {found['name']} is made of symbols that units.hpp has not (as in kg.m2/s or W/(m2.K); "
+        f'Unit {found["name"]}{{"...", Dimension{{kg, m, s, A, K, rad}}}} says the exponents beside a name of your own)'
+    )
 
 
 def _not_found(found: re.Match[str], about: _About) -> str:
@@ -290,6 +300,7 @@ _RULES: tuple[tuple[str, str | Callable[[re.Match[str], _About], str]], ...] = (
     (r"redefinition of '(\w+)'", r"\1 is there already, in the header or in one of the project (take another name)"),
     (r"(?:class member cannot be redeclared|redeclaration of)", "it is there twice (leave one of them out)"),
     (r"duplicate member '(\w+)'", r"\1 is there twice (take another name for one of them)"),
+    (r"constexpr variable '(?P<name>\w+)' must be initialized by a constant", _constant),
     (r"with exceptions disabled", "exceptions are not possible in an FMU (validate() refuses values)"),
     (r"'(?P<name>[^']+)' file not found", _not_found),
 )

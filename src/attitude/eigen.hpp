@@ -31,4 +31,20 @@ using Vec3 = Eigen::Matrix<T, 3, 1>;
 template <class T>
 using Mat3 = Eigen::Matrix<T, 3, 3, Eigen::RowMajor>;  // row-major, as FMI lists arrays
 
+/// Where the condition holds a, else b, of vectors and matrices: both are computed, and both count as what it depends on.
+template <class Condition, class A, class B>
+auto select(const Condition& condition, const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b) {
+    static_assert(static_cast<int>(A::RowsAtCompileTime) == B::RowsAtCompileTime &&
+                      static_cast<int>(A::ColsAtCompileTime) == B::ColsAtCompileTime,
+                  "select() chooses between two of one size");
+    typename A::PlainObject chosen = a;
+    const typename B::PlainObject other = b;
+    for (Eigen::Index row = 0; row < chosen.rows(); ++row) {
+        for (Eigen::Index col = 0; col < chosen.cols(); ++col) {
+            chosen(row, col) = select(condition, chosen(row, col), other(row, col));
+        }
+    }
+    return chosen;
+}
+
 }  // namespace adcs

@@ -153,8 +153,7 @@ public:
         const int index = table_.count;
         Refine refine = output(name, x, unit, description);
         table_.variables[index].role = Role::state;
-        const Unit& per_second = unit.per_second != nullptr ? *unit.per_second : unit;  // which describe.cpp refuses
-        add(name, derivative, per_second, description, Causality::local, Variability::continuous);
+        add(name, derivative, unit, description, Causality::local, Variability::continuous);  // per second: unit_of.hpp
         Variable& rate = table_.variables[table_.count - 1];
         rate.role = Role::derivative;
         rate.derivative_of = index;

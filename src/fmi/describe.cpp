@@ -138,8 +138,9 @@ void print_variable(const Table& table, const Dependencies& found, const Depende
     print_field("causality", causality(v));
     print_field("variability", variability(v));
     print_field("initial", initial(v));
-    print_field("unit", v.type == Type::float64 ? v.unit->name : nullptr);
-    print_field("display_unit", v.unit->display);
+    const UnitOf unit(v);
+    print_field("unit", v.type == Type::float64 ? unit->name : nullptr);
+    print_field("display_unit", unit->display);
     print_key("start");
     print_start(v);
     print_field("min", std::fmax(v.above, v.min));
@@ -163,8 +164,9 @@ void print_variable(const Table& table, const Dependencies& found, const Depende
 }
 
 void print_unit(const Unit& u) {
-    constexpr const char* bases[] = {"kg", "m", "s", "A", "rad"};
-    const int exponents[] = {u.kg, u.m, u.s, u.A, u.rad};
+    constexpr const char* bases[] = {"kg", "m", "s", "A", "K", "rad"};
+    const Dimension& d = u.dimension;
+    const int exponents[] = {d.kg, d.m, d.s, d.A, d.K, d.rad};
     std::printf("{\"name\": ");
     print_text(u.name);
     print_key("exponents");
@@ -175,7 +177,8 @@ void print_unit(const Unit& u) {
         separator = ", ";
     }
     std::printf(*separator == '{' ? "{}" : "}");
-    std::printf(", \"factor\": 1.0, \"offset\": 0.0");
+    print_field("factor", d.factor);
+    std::printf(", \"offset\": 0.0");
     print_key("display");
     print_list(u.display != nullptr ? 1 : 0, [&](std::size_t) {
         std::printf("{\"name\": ");
@@ -186,13 +189,26 @@ void print_unit(const Unit& u) {
     std::putchar('}');
 }
 
+/// The first variable with a unit of this name.
+const Variable& first_with(const Table& table, const char* unit) {
+    const Variable* v = table.begin();
+    while (v->type != Type::float64 || std::strcmp(UnitOf(*v)->name, unit) != 0) ++v;
+    return *v;
+}
+
 /// Whether no variable before v has its unit.
 bool introduces_unit(const Table& table, const Variable& v) {
-    if (v.type != Type::float64) return false;
-    for (const Variable* earlier = table.begin(); earlier != &v; ++earlier) {
-        if (earlier->type == Type::float64 && earlier->unit == v.unit) return false;
-    }
-    return true;
+    return v.type == Type::float64 && &first_with(table, UnitOf(v)->name) == &v;
+}
+
+bool is_same(const char* a, const char* b) {
+    return a == b || (a != nullptr && b != nullptr && std::strcmp(a, b) == 0);
+}
+
+bool is_same(const Unit& a, const Unit& b) {
+    const Dimension &x = a.dimension, &y = b.dimension;
+    return x.kg == y.kg && x.m == y.m && x.s == y.s && x.A == y.A && x.K == y.K && x.rad == y.rad &&
+           x.factor == y.factor && is_same(a.display, b.display) && a.display_factor == b.display_factor;
 }
 
 bool refuse(const Variable& v, const char* before, const char* after) {
@@ -229,6 +245,18 @@ bool are_names_right(const Table& table) {
     return true;
 }
 
+bool are_units_right(const Table& table) {
+    for (const Variable& v : table) {
+        if (v.type != Type::float64) continue;
+        const UnitOf unit(v);
+        if (!unit->dimension.known)
+            return refuse(v, "the unit of ", " has a name of unknown symbols (say its exponents beside it)");
+        if (!is_same(*unit, *UnitOf(first_with(table, unit->name))))
+            return refuse(v, "the unit of ", " has the name of another one (give it a name of its own)");
+    }
+    return true;
+}
+
 /// Whether outputs() sets it.
 bool is_of_outputs(const Variable& v) {
     return (v.role == Role::plain && v.causality == Causality::output) || v.role == Role::event;
@@ -253,8 +281,6 @@ bool are_functions_there(const Table& table, const Functions& has) {
         if (v.role != Role::state) continue;
         if (!has.derivatives && !has.outputs)
             return refuse(v, "nothing sets the derivative of ", " (write void derivatives())");
-        if (v.unit->per_second == nullptr)
-            return refuse(v, "the unit of the state ", " has none for its derivative (a Unit of your own names one)");
     }
     if (has.sample && table.clocks == 0)
         return refuse("sample(", "sample() is called at times that nothing says (v.sampled(period) in declare())");
@@ -328,7 +354,7 @@ bool adcs::is_declared_right(const Table& table, const Functions& has) {
                      Table::capacity, Table::scalar_capacity, Clocks::capacity, Events::capacity);
         return false;
     }
-    return are_names_right(table) && are_functions_there(table, has);
+    return are_names_right(table) && are_units_right(table) && are_functions_there(table, has);
 }
 
 bool adcs::are_start_values_right(const Table& table) {
@@ -468,7 +494,7 @@ void adcs::print(const Description& description) {
     for (const Variable& v : table) {
         if (!introduces_unit(table, v)) continue;
         std::printf("%s", separator);
-        print_unit(*v.unit);
+        print_unit(*UnitOf(v));
         separator = ",\n ";
     }
     std::putchar(']');

@@ -16,8 +16,37 @@ struct Bits {
     std::bitset<Table::scalar_capacity> set;
     friend Bits operator+(const Bits& a, const Bits& b) { return {a.set | b.set}; }
     friend Bits scale(double /*factor*/, const Bits& a) { return a; }
+    friend Bits scale_steeply(double /*slope*/, const Bits& a) { return a; }
+    friend Bits chosen(const Bits& a, const Bits& other) { return a + other; }
 };
 using Trace = Lifted<Bits>;
+
+/// Whether something holds, and what that depends on, which select() adds to what it chooses from.
+struct Condition {
+    bool holds;
+    Bits from;
+    operator bool() const { return holds; }  // NOLINT(google-explicit-constructor): laws branch on it, too
+    friend Condition operator!(const Condition& a) { return {!a.holds, a.from}; }
+    friend Condition operator&&(const Condition& a, const Condition& b) {
+        return {a.holds && b.holds, a.from + b.from};
+    }
+    friend Condition operator||(const Condition& a, const Condition& b) {
+        return {a.holds || b.holds, a.from + b.from};
+    }
+    friend Condition operator&&(const Condition& a, bool b) { return {a.holds && b, a.from}; }
+    friend Condition operator||(const Condition& a, bool b) { return {a.holds || b, a.from}; }
+    friend Condition operator&&(bool a, const Condition& b) { return b && a; }
+    friend Condition operator||(bool a, const Condition& b) { return b || a; }
+};
+inline Condition compared(bool holds, const Bits& a, const Bits& b) { return {holds, a + b}; }
+
+template <class A, class B,
+          std::enable_if_t<std::is_convertible_v<A, Trace> && std::is_convertible_v<B, Trace>, int> = 0>
+Trace select(const Condition& condition, const A& a, const B& b) {
+    const Trace either = select(condition.holds, Trace(a), Trace(b));
+    return {either.value, either.tangent + condition.from};
+}
+
 using Dependencies = std::array<Bits, Table::scalar_capacity>;  // of each scalar, by value reference
 
 /// Runs a component at points around its start values, with integer parameters at their start values and at others, and

@@ -160,7 +160,8 @@ def described(folder: Path, *changes: tuple[str, str]) -> str:
         (SET, "a function is used as a number (the time is a variable: T time = 0.0; and", [
             (BODY, "torque = time * omega;")]),
         (SET, "there is no omgea (did you mean omega?)", [(BODY, "torque = -k * omgea;")]),
-        (DECLARED, "there is no unit::N_mm (did you mean unit::N_m or unit::N_m_s or unit::N2_m2?)", [("N_m_s", "N_mm")]),
+        (DECLARED, "there is no unit::N_mm (did you mean unit::N_m or unit::N_m_s or unit::N2_m2?)", [
+            ("N_m_s", "N_mm")]),
         (DECLARED, 'v.parameter does not take these arguments (it takes "name", variable, unit::...', [
             ("unit::N_m_s", '"N.m.s"')]),
         (DECLARED, "a declaration has no v.param (did you mean v.parameter?)", [("v.parameter", "v.param")]),
@@ -185,7 +186,8 @@ def described(folder: Path, *changes: tuple[str, str]) -> str:
             (BODY, "torque = Mat3<T>{{1.0, 0.0, 0.0}, {0.0, 1.0}, {0.0, 0.0, 1.0}} * omega;")]),
         (SET, "a number of type T is put into double, which carries no", [
             (BODY, "double n = omega.norm(); torque = n * omega;")]),
-        (SET, "sin() does not take these arguments (write sin(x), of numbers; an element of v is v(0))", [(BODY, "torque = sin(omega);")]),
+        (SET, "sin() does not take these arguments (write sin(x), of numbers; an element of v is v(0))", [
+            (BODY, "torque = sin(omega);")]),
         (SET, "outputs() takes an element that a vector of 3 does not have (they are counted from 0)", [
             (BODY, "torque = -k * omega * omega[5];")]),
         (SET, "outputs() takes an element that a vector of 3 does not have", [

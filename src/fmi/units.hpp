@@ -124,8 +124,8 @@ struct Unit {
     const char* display;     ///< unit for people, and how many of it make one of this; nullptr for none
     double display_factor;
 
-    // NOLINTNEXTLINE(google-explicit-constructor): a name says all
-    constexpr Unit(const char* name_, const Unit* rate = nullptr, const char* shown = nullptr, double of_it = 1.0)
+    explicit constexpr Unit(const char* name_, const Unit* rate = nullptr, const char* shown = nullptr,
+                            double of_it = 1.0)
         : Unit(name_, detail::dimension_of(name_), rate, shown, of_it) {}
     /// Of a name that is not made of those symbols, such as packet/s.
     constexpr Unit(const char* name_, const Dimension& exponents, const Unit* rate = nullptr,
@@ -261,7 +261,6 @@ inline constexpr Unit N_m_s{"N.m.s", &N_m};
 inline constexpr Unit N_m_per_s{"N.m/s"};
 inline constexpr Unit N_m_per_rad{"N.m/rad"};
 inline constexpr Unit N_m_s_per_rad{"N.m.s/rad", &N_m_per_rad};
-inline constexpr Unit N2_m2{"N2.m2"};
 inline constexpr Unit Pa{"Pa"};
 inline constexpr Unit W{"W"};
 inline constexpr Unit J{"J", &W};

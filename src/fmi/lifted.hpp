@@ -21,7 +21,7 @@ inline bool compared(bool holds, double /*a*/, double /*b*/) { return holds; }
 
 /// Value and tangent; `Tangent` needs `a + b` and what is above.
 ///
-/// Where a function has a kink, or a law chooses, the derivative is that of one side: which one is said at the function.
+/// Where a function has a kink, or a law chooses, the derivative is that of one side; which one is said with it.
 template <class Tangent>
 struct Lifted {
     double value = 0.0;

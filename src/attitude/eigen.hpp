@@ -31,7 +31,7 @@ using Vec3 = Eigen::Matrix<T, 3, 1>;
 template <class T>
 using Mat3 = Eigen::Matrix<T, 3, 3, Eigen::RowMajor>;  // row-major, as FMI lists arrays
 
-/// Where the condition holds a, else b, of vectors and matrices: both are computed, and both count as what it depends on.
+/// Where the condition holds a, else b, of vectors and matrices: both are computed, and count as what it depends on.
 template <class Condition, class A, class B>
 auto select(const Condition& condition, const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b) {
     static_assert(static_cast<int>(A::RowsAtCompileTime) == B::RowsAtCompileTime &&

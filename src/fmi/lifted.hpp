@@ -12,7 +12,7 @@
 namespace adcs {
 
 inline double scale(double factor, double tangent) { return factor * tangent; }
-/// The same where the slope can be infinite: what does not change at all, such as x at a limit, has derivative 0 there, too.
+/// The same where the slope can be infinite: what does not change, such as x at a limit, has derivative 0 there, too.
 inline double scale_steeply(double slope, double tangent) { return tangent == 0.0 ? 0.0 : slope * tangent; }
 /// Of a value that is one of several: the tangent of the one that was chosen. A Trace joins it with the others.
 inline double chosen(double tangent, double /*other*/) { return tangent; }
@@ -21,7 +21,7 @@ inline bool compared(bool holds, double /*a*/, double /*b*/) { return holds; }
 
 /// Value and tangent; `Tangent` needs `a + b` and what is above.
 ///
-/// Where a function has a kink, or a law chooses, the derivative is that of one side: which one is said at the function.
+/// Where a function has a kink, or a law chooses, the derivative is that of one side; which one is said with it.
 template <class Tangent>
 struct Lifted {
     double value = 0.0;

@@ -262,7 +262,6 @@ inline constexpr Unit N_m_s{"N.m.s", &N_m};
 inline constexpr Unit N_m_per_s{"N.m/s"};
 inline constexpr Unit N_m_per_rad{"N.m/rad"};
 inline constexpr Unit N_m_s_per_rad{"N.m.s/rad", &N_m_per_rad};
-inline constexpr Unit N2_m2{"N2.m2"};
 inline constexpr Unit Pa{"Pa"};
 inline constexpr Unit W{"W"};
 inline constexpr Unit J{"J", &W};

@@ -1,7 +1,7 @@
 /// # Every function
 ///
-/// What laws may call, each with variables, with constants, and with elements of vectors: so that all of it compiles for
-/// every scalar, and rounds alike on every machine.
+/// What laws may call, each with variables, with constants, and with elements of vectors: so that all of it compiles
+/// for every scalar, and rounds alike on every machine.
 #pragma once
 
 #include "fmi/declaration.hpp"

@@ -56,7 +56,7 @@ def _unknown(found: re.Match[str], about: _About) -> str:
     name = found["name"]
     if name == "T":
         return f"T is not known here (template <class T> before struct {about.component})"
-    if name in ("unit", *TYPES, "Sample", "Events", "never", "once"):
+    if name in ("unit", *TYPES, "Sample", "Events", "Words", "never", "once"):
         return f"{name} is not known here (namespace adcs {{ ... }} has to be around the struct)"
     if name in FUNCTIONS:
         return f"there is no {name} for T: {advice(f'std::{name}')}"

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "attitude/quaternion.hpp"
+#include "fmi/words.hpp"
 
 namespace adcs {
 
@@ -45,8 +46,8 @@ Vec3<T> cross_sum(const Weights<T>& k, const Directions<T>& y, const Directions<
     return sum;
 }
 
-/// What keeps an attitude from being told by directions of these weights, or nullptr.
-inline const char* attitude_fault(const Directions<double>& x_N, const Weights<double>& k) {
+/// Refuses directions of these weights that tell no attitude.
+inline void refuse_blindness(const Directions<double>& x_N, const Weights<double>& k, Words& refuse) {
     constexpr double collinear = 1e-6;  // sin^2 of the angle: 0.06 deg
     int counting = 0;
     bool apart = false;
@@ -59,12 +60,13 @@ inline const char* attitude_fault(const Directions<double>& x_N, const Weights<d
             apart = apart || (k[i] > 0.0 && x_i.cross(x_j).squaredNorm() > collinear);
         }
     }
-    if (counting < 2) return "fewer than two weights are positive: two directions at least are needed for an attitude";
-    if (!apart) {
-        return "directions_N of positive weight are collinear: turning about their line cannot be seen, give two that "
-               "are not";
+    if (counting < 2) {
+        refuse("fewer than two weights are positive: two directions at least are needed for an attitude");
+    } else if (!apart) {
+        refuse(
+            "directions_N of positive weight are collinear: turning about their line cannot be seen, give two that "
+            "are not");
     }
-    return nullptr;
 }
 
 }  // namespace adcs

@@ -56,7 +56,7 @@ struct AdaptiveAppendageTracking : AppendageCompensation<T> {
         mass_estDot = this->update(mass_est, Gamma, this->gamma_2, this->sigma_bound, this->sigma_margin);
     }
 
-    const char* validate() const { return this->fault(mass_est, this->sigma_bound, this->sigma_margin); }
+    void validate(Words& refuse) const { this->refuse_starts(mass_est, this->sigma_bound, this->sigma_margin, refuse); }
 
 private:
     typename AppendageCompensation<T>::Variable::Parameters J_1_est() const {

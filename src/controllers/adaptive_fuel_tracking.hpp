@@ -59,7 +59,9 @@ struct AdaptiveFuelTracking : FuelCompensation<T> {
         sigma_estDot = this->update(sigma_est, Gamma, this->gamma_2, this->sigma_bound, this->sigma_margin);
     }
 
-    const char* validate() const { return this->fault(sigma_est, this->sigma_bound, this->sigma_margin); }
+    void validate(Words& refuse) const {
+        this->refuse_starts(sigma_est, this->sigma_bound, this->sigma_margin, refuse);
+    }
 };
 
 }  // namespace adcs

@@ -35,7 +35,7 @@ struct AdaptiveFuelTrackingFull : FuelCompensation<T> {
         J_1_estDot = this->update(J_1_est, Gamma, this->gamma_2, this->sigma_bound, this->sigma_margin);
     }
 
-    const char* validate() const { return this->fault(J_1_est, this->sigma_bound, this->sigma_margin); }
+    void validate(Words& refuse) const { this->refuse_starts(J_1_est, this->sigma_bound, this->sigma_margin, refuse); }
 };
 
 }  // namespace adcs

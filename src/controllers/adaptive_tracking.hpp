@@ -37,7 +37,7 @@ struct AdaptiveTracking : CertaintyEquivalence<T> {
     }
     void outputs() { this->torque_B = this->feedback(this->tracking_error()); }
     void derivatives() { this->adapt(this->tracking_error()); }
-    const char* validate() const { return this->theta_fault(); }
+    void validate(Words& refuse) const { this->refuse_start(refuse); }
 };
 
 }  // namespace adcs

@@ -144,15 +144,16 @@ struct BoundedAdaptiveTracking {
 
     /// sqrt(5/3) is the largest norm of a symmetric matrix whose six elements have norm 1: 1 on and 2 off the diagonal,
     /// scaled.
-    const char* validate() const {
+    void validate(Words& refuse) const {
         const T reach = sqrt(5.0 / 3.0 * (1.0 + epsilon_p)) * eta_p;
         // lambda_min(P*) > reach, that is, 1 / reach - J_B is positive definite: its leading minors are positive
         const Mat3<T> M = Mat3<T>::Identity() / reach - J_B;
         const T second = M(0, 0) * M(1, 1) - M(0, 1) * M(1, 0);
-        return M(0, 0) > 0.0 && second > 0.0 && M.determinant() > 0.0
-                   ? nullptr
-                   : "eta_p is too large for J_B: the estimate of the inverse inertia could become singular, unless "
-                     "sqrt(5/3 (1 + epsilon_p)) eta_p is below 1 / (largest principal moment of J_B)";
+        if (M(0, 0) > 0.0 && second > 0.0 && M.determinant() > 0.0) return;
+        refuse(
+            "eta_p is too large for J_B: the estimate of the inverse inertia could become singular, unless "
+            "sqrt(5/3 (1 + epsilon_p)) eta_p is below 1 / (largest principal moment of J_B) (it is %g)",
+            reach);
     }
 };
 

@@ -106,20 +106,22 @@ protected:
     static bool starts_inside(const M& estimate, const T& bound, const T& margin) {
         return estimate.squaredNorm() < bound * bound + margin * margin;
     }
-    const char* theta_fault() const {
-        return starts_inside(theta_est, theta_bound, theta_margin)
-                   ? nullptr
-                   : "theta_est starts outside the set that its projection keeps it in: its norm must be below "
-                     "sqrt(theta_bound^2 + theta_margin^2)";
+    void refuse_start(Words& refuse) const {
+        if (starts_inside(theta_est, theta_bound, theta_margin)) return;
+        refuse(
+            "theta_est starts outside the set that its projection keeps it in: its norm must be below "
+            "sqrt(theta_bound^2 + theta_margin^2) = %g, and is %g",
+            sqrt(theta_bound * theta_bound + theta_margin * theta_margin), theta_est.norm());
     }
-    /// The same of the estimate of J_1, after theta_est.
+    /// The same of the estimate of J_1, too.
     template <class M>
-    const char* fault(const M& sigma_est, const T& bound, const T& margin) const {
-        if (const char* first = theta_fault(); first != nullptr) return first;
-        return starts_inside(sigma_est, bound, margin)
-                   ? nullptr
-                   : "the estimate of J_1 starts outside the set that its projection keeps it in: its norm must be "
-                     "below sqrt(sigma_bound^2 + sigma_margin^2)";
+    void refuse_starts(const M& sigma_est, const T& bound, const T& margin, Words& refuse) const {
+        refuse_start(refuse);
+        if (starts_inside(sigma_est, bound, margin)) return;
+        refuse(
+            "the estimate of J_1 starts outside the set that its projection keeps it in: its norm must be below "
+            "sqrt(sigma_bound^2 + sigma_margin^2) = %g, and is %g",
+            sqrt(bound * bound + margin * margin), sigma_est.norm());
     }
 
     /// W_1 theta = J_0 a - omega x J_0 omega with a = qDot_ev + phi, Eq. (3.16).

@@ -101,11 +101,12 @@ struct GyroFreeStabilization {
 
     void derivatives() { zDot_moved = zDot; }
 
-    const char* validate() const {
-        if (!hurwitz(A_m)) return "A_m is not Hurwitz: all its eigenvalues must have negative real parts";
+    void validate(Words& refuse) const {
+        if (!hurwitz(A_m)) refuse("A_m is not Hurwitz: all its eigenvalues must have negative real parts");
         const double size = B.norm();
-        if (!(abs(B.determinant()) > 1e-9 * size * size * size)) return "B is singular: it must be invertible";
-        return attitude_fault(directions_N, weights);
+        if (!(abs(B.determinant()) > 1e-9 * size * size * size))
+            refuse("B is singular: it must be invertible, and its determinant is %g", B.determinant());
+        refuse_blindness(directions_N, weights, refuse);
     }
 
 private:

@@ -49,7 +49,7 @@ struct VectorPd {
         torque_B = -k_p * Omega_B - k_w * omega_BN_B;
     }
 
-    const char* validate() const { return attitude_fault(directions_N, weights); }
+    void validate(Words& refuse) const { refuse_blindness(directions_N, weights, refuse); }
 };
 
 }  // namespace adcs

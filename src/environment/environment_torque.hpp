@@ -77,9 +77,10 @@ struct EnvironmentTorque {
         torque_B = gravity_gradient_B + drag_B + oblateness_B;
     }
 
-    const char* validate() const {
-        return r_BN_N.dot(r_BN_N) > earth_radius * earth_radius ? nullptr
-                                                                : "r_BN_N lies inside the Earth, within earth_radius";
+    void validate(Words& refuse) const {
+        const T distance = r_BN_N.norm();
+        if (!(distance > earth_radius))
+            refuse("r_BN_N lies inside the Earth, within earth_radius: |r_BN_N| = %g m", distance);
     }
 };
 

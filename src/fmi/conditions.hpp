@@ -29,6 +29,10 @@ inline const char* condition(Kind kind) {
             return "positive definite";
         case Kind::positive_semidefinite:
             return "positive semidefinite";
+        case Kind::rotation:
+            return "rotation matrix";
+        case Kind::increasing:
+            return "increasing";
         case Kind::any:
             break;
     }
@@ -77,6 +81,13 @@ inline const char* inertia_fault(const double* J) {
 inline const char* matrix_fault(Kind kind, const double* values) {
     if (kind == Kind::inertia) return inertia_fault(values);
     const Mat3<double> A = Eigen::Map<const Mat3<double>>(values);
+    if (kind == Kind::rotation) {
+        const bool orthonormal =
+            ((A * A.transpose()).eval() - Mat3<double>::Identity()).squaredNorm() <= norm_tolerance * norm_tolerance;
+        return orthonormal && A.determinant() > 0.0
+                   ? nullptr
+                   : "is no rotation: rows of length 1 at right angles, and determinant 1, are expected";
+    }
     if (kind == Kind::positive_definite) {
         return positive_definite(A)
                    ? nullptr
@@ -130,9 +141,18 @@ inline bool meets_condition(const Variable& v, char* fault, std::size_t size) {
         case Kind::inertia:
         case Kind::positive_definite:
         case Kind::positive_semidefinite:
+        case Kind::rotation:
             if (const char* what = detail::matrix_fault(v.kind, x); what != nullptr) {
                 std::snprintf(fault, size, "%s = [%g %g %g; %g %g %g; %g %g %g] %s", v.name, x[0], x[1], x[2], x[3],
                               x[4], x[5], x[6], x[7], x[8], what);
+                return false;
+            }
+            return true;
+        case Kind::increasing:
+            for (std::uint32_t e = 1; e < v.size; ++e) {
+                if (x[e] > x[e - 1]) continue;
+                std::snprintf(fault, size, "%s is not increasing: element %u = %g is not above element %u = %g", v.name,
+                              e + 1, x[e], e, x[e - 1]);
                 return false;
             }
             return true;

@@ -27,6 +27,8 @@ enum class Kind : std::uint8_t {
     inertia,
     positive_definite,
     positive_semidefinite,
+    rotation,
+    increasing,
 };
 
 struct Variable {
@@ -91,6 +93,10 @@ public:
     Refine& positive_definite() { return v_.kind = Kind::positive_definite, *this; }
     /// Must be symmetric, without negative eigenvalues.
     Refine& positive_semidefinite() { return v_.kind = Kind::positive_semidefinite, *this; }
+    /// Must be orthonormal, with determinant 1: a direction cosine matrix.
+    Refine& rotation() { return v_.kind = Kind::rotation, *this; }
+    /// Each element must exceed the one before: the times of a table.
+    Refine& increasing() { return v_.kind = Kind::increasing, *this; }
     /// What is held is an output, too.
     Refine& output() {
         if (v_.role != Role::held) v_.wrong = " is not held: only v.held(...) has .output()";

@@ -257,6 +257,29 @@ bool are_units_right(const Table& table) {
     return true;
 }
 
+/// What only has sense for a variable of one shape; nullptr for any.
+const char* shape_of(Kind kind) {
+    switch (kind) {
+        case Kind::unit_quaternion:
+            return "a vector of 4, as Quat<T> is,";
+        case Kind::inertia:
+        case Kind::positive_definite:
+        case Kind::positive_semidefinite:
+        case Kind::rotation:
+            return "a matrix of 3 x 3, as Mat3<T> is,";
+        case Kind::increasing:
+            return "a vector";
+        default:
+            return nullptr;
+    }
+}
+
+bool has_shape(const Variable& v) {
+    if (v.kind == Kind::unit_quaternion) return v.rows == 4 && v.cols == 0;
+    if (v.kind == Kind::increasing) return v.rows != 0 && v.cols == 0;
+    return v.rows == 3 && v.cols == 3;
+}
+
 /// Whether outputs() sets it.
 bool is_of_outputs(const Variable& v) {
     return (v.role == Role::plain && v.causality == Causality::output) || v.role == Role::event;
@@ -359,6 +382,10 @@ bool adcs::is_declared_right(const Table& table, const Functions& has) {
 
 bool adcs::are_start_values_right(const Table& table) {
     for (const Variable& v : table) {
+        if (const char* shape = shape_of(v.kind); shape != nullptr && !has_shape(v)) {
+            std::fprintf(stderr, "\"%s\"\t%s cannot be %s: %s is expected\n", v.name, v.name, condition(v.kind), shape);
+            return false;
+        }
         if (v.type != Type::float64 || !has_start(v)) continue;
         char fault[256];
         for (std::uint32_t e = 0; e < v.size; ++e) {

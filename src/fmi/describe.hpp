@@ -78,7 +78,8 @@ int describe(const char* name) {
         component.derivatives();
         if (!is_repeated(table)) return declares_wrong;
         enter("events()", table);
-        component.events({0, true});
+        Words said;
+        component.events({0, true, said});
         if (!is_kept(table)) return declares_wrong;
         component.reset();
     }

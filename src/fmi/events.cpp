@@ -36,7 +36,8 @@ bool Instance::is_due(const Events& e) const {
 /// events(), until nothing changes its sign any more.
 Status Instance::react() {
     signs_ = signs();
-    Events e{settled_ ? signs_ ^ settled_signs_ : 0U, !settled_};
+    said_.clear();
+    Events e{settled_ ? signs_ ^ settled_signs_ : 0U, !settled_, said_};
     if (!is_due(e)) return Status::ok;
     read_states(settled_states_);
     for (int round = 0; round < most_rounds; ++round) {
@@ -52,7 +53,8 @@ Status Instance::react() {
         if (Status status = finite_outputs(); status != Status::ok) return status;
         const unsigned before = signs_;
         signs_ = signs();
-        e = {signs_ ^ before, false};
+        e.crossed = signs_ ^ before;
+        e.first = false;
         if (e.crossed == 0) return Status::ok;
     }
     return error("at t = %g: events() comes to no end: event functions change their signs with what it sets", time_);

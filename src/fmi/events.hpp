@@ -1,6 +1,8 @@
 // What happens at an event: how events() is told of it.
 #pragma once
 
+#include "fmi/words.hpp"
+
 namespace adcs {
 
 /// A time that does not come.
@@ -10,8 +12,9 @@ inline constexpr double never = 1e300;
 struct Events {
     static constexpr int capacity = 32;
 
-    unsigned crossed = 0;  ///< event functions, as bits, that have become positive, or are no longer
-    bool first = false;    ///< at the start of the run
+    unsigned crossed;  ///< event functions, as bits, that have become positive, or are no longer
+    bool first;        ///< at the start of the run
+    Words& say;        ///< what the importer is to be told; it is, as a warning, if what happens is for good
 
     /// Whether the i-th event function, in the order of declaration, has changed its sign.
     bool has_crossed(int i) const { return (crossed >> i & 1U) != 0; }

@@ -316,6 +316,7 @@ Status Instance::reset() {
     model_->reset();
     mode_ = mode_instantiated;
     stop_time_ = 0.0;
+    said_.clear();
     stop_defined_ = spin_reported_ = settled_ = states_changed_ = false;
     settled_time_ = 0.0;
     settled_signs_ = signs_ = 0;
@@ -501,7 +502,9 @@ Status Instance::check_parameters() {
         if (!meets_condition(v, fault, sizeof fault)) return error("%s", fault);
         if (is_normalised(v.kind)) normalise(v);
     }
-    if (const char* fault = model_->validate(); fault != nullptr) return error("%s", fault);
+    Words fault;
+    model_->validate(fault);
+    if (fault.text() != nullptr) return error("%s", fault.text());
     if ((mode_ & mode_initialization) != 0) {
         if (Status status = start_clocks(); status != Status::ok) return status;
     }
@@ -634,6 +637,8 @@ void Instance::commit() {
     clocks_.each_due([this](const Sample& s) { event("sample %lld at t = %g", static_cast<long long>(s.k), time_); });
     copy_held(held_, true);
     clocks_.advance();
+    if (said_.text() != nullptr) warning("at t = %g: %s", time_, said_.text());
+    said_.clear();
     settled_time_ = time_;
     settled_signs_ = signs_;
     settled_ = true;

@@ -286,6 +286,7 @@ private:
     unsigned settled_signs_ = 0;   ///< the event functions that were positive then, as bits
     unsigned signs_ = 0;           ///< those that are now
     bool settled_ = false;         ///< what happens at the start of the run has happened
+    Words said_;                   ///< at the pending event
     bool states_changed_ = false;  ///< by the pending event
     unsigned sampling_ = 0;        ///< the clocks that run and between whose instants outputs are held
     bool outputs_fresh_ = false;   ///< outputs belong to the present time, states and inputs

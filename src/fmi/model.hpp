@@ -43,8 +43,8 @@ public:
     virtual bool has_events() const = 0;
     /// Periods and offsets as the parameters are now.
     virtual Clocks clocks() = 0;
-    /// nullptr, or what is wrong with the parameters.
-    virtual const char* validate() const = 0;
+    /// Says what is wrong with the parameters.
+    virtual void validate(Words& refuse) const = 0;
     /// unknowns[i].value = sum over knowns of d unknown / d known * known.value; nullptr, or why it cannot be had.
     virtual const char* differentiate(const Directional* knowns, std::size_t n_knowns, Directional* unknowns,
                                       std::size_t n_unknowns, const Clocks& clocks, unsigned holding) = 0;
@@ -74,6 +74,8 @@ struct AsItIs {
     Self& inertia() { return self(); }
     Self& positive_definite() { return self(); }
     Self& positive_semidefinite() { return self(); }
+    Self& rotation() { return self(); }
+    Self& increasing() { return self(); }
     Self& output() { return self(); }
     Self& wakes() { return self(); }
     Self& sampled(int = 0) { return self(); }
@@ -345,12 +347,8 @@ public:
     void events(const Events& e) override { bound_.events(e); }
     bool has_events() const override { return detail::has_events<C<double>>; }
     Clocks clocks() override { return bound_.clocks(); }
-    const char* validate() const override {
-        if constexpr (detail::has_validate<C<double>>) {
-            return bound_.component.validate();
-        } else {
-            return nullptr;
-        }
+    void validate([[maybe_unused]] Words& refuse) const override {
+        if constexpr (detail::has_validate<C<double>>) bound_.component.validate(refuse);
     }
     const char* differentiate(const Directional* knowns, std::size_t n_knowns, Directional* unknowns,
                               std::size_t n_unknowns, const Clocks& clocks, unsigned holding) override {

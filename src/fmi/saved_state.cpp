@@ -198,7 +198,9 @@ Status Instance::check_loaded(const char* function) {
         return error("%s: the latest event of the saved state was at t = %g", function, settled_time_);
     }
     if (parameters_checked_) {
-        if (const char* fault = model_->validate(); fault != nullptr) return error("%s: %s", function, fault);
+        Words fault;
+        model_->validate(fault);
+        if (fault.text() != nullptr) return error("%s: %s", function, fault.text());
     }
 
     const bool running = (mode_ & (mode_instantiated | mode_initialization)) == 0;
@@ -220,7 +222,7 @@ bool Instance::fits(const Clock& clock, const Clock& expected, bool due) const {
     if (!clock.runs()) return clock.next == 0 && !due;
     if (clock.next > 9007199254740992) return false;  // 2^53, beyond which its instant is not exact
     if (mode_ != mode_step) return true;
-    constexpr double some = 1e-6;  // of a period
+    const double some = 1e-6 + 1e-15 * std::fabs(time_) / clock.period;  // of a period; late times are rounded more
     const double ahead = (clock.instant(clock.next) - time_) / clock.period;
     return ahead > -1.0 - some && (ahead < 1.0 + some || clock.next == 0) && due == clock.is_due(time_);
 }

@@ -34,7 +34,7 @@ constexpr bool has_events<C, std::void_t<decltype(std::declval<C&>().events(std:
 template <class C, class = void>
 constexpr bool has_validate = false;
 template <class C>
-constexpr bool has_validate<C, std::void_t<decltype(std::declval<const C&>().validate())>> = true;
+constexpr bool has_validate<C, std::void_t<decltype(std::declval<const C&>().validate(std::declval<Words&>()))>> = true;
 template <class C, class = void>
 constexpr bool has_stream = false;
 template <class C>
@@ -102,7 +102,7 @@ constexpr bool is_well_formed() {
     static_assert(has_events<C> || !names_events<C>,
                   "events() has to be public and take what happened (void events(const Events& e))");
     static_assert(has_validate<C> || !names_validate<C>,
-                  "validate() has to be public, const and without arguments (const char* validate() const)");
+                  "validate() has to be public and const, and say what is wrong (void validate(Words& refuse) const)");
     static_assert(has_summary<C>,
                   "summary is missing: what the component is, in a line (static constexpr auto summary = \"...\";)");
     static_assert(has_reference<C>,
@@ -115,10 +115,6 @@ constexpr bool is_well_formed() {
         static_assert(std::is_void_v<decltype(std::declval<C&>().derivatives())>,
                       "derivatives() returns a value that nobody takes: it sets the variables instead (void "
                       "derivatives())");
-    }
-    if constexpr (has_validate<C>) {
-        static_assert(std::is_same_v<decltype(std::declval<const C&>().validate()), const char*>,
-                      "validate() has to return what is wrong, or nullptr (const char* validate() const)");
     }
     return true;
 }

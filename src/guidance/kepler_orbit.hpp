@@ -74,11 +74,13 @@ struct KeplerOrbit {
         altitude = height_above(r_ON_N, earth_radius);
     }
 
-    const char* validate() const {
-        return semi_major_axis * (1.0 - eccentricity) > earth_radius
-                   ? nullptr
-                   : "the orbit meets the Earth: semi_major_axis (1 - eccentricity), the distance of the perigee, must "
-                     "exceed earth_radius";
+    void validate(Words& refuse) const {
+        const T perigee = semi_major_axis * (1.0 - eccentricity);
+        if (!(perigee > earth_radius))
+            refuse(
+                "the orbit meets the Earth: semi_major_axis (1 - eccentricity), the distance of the perigee, must "
+                "exceed earth_radius, and is %g m",
+                perigee);
     }
 
 private:

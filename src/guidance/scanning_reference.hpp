@@ -94,11 +94,9 @@ struct ScanningReference {
         }
     }
 
-    const char* validate() const {
-        if (!(period > 0.0) && (lag != 0 || difference != 0)) {
-            return "lag and difference belong to a sampled reference: give a period above 0, or set both to 0";
-        }
-        return nullptr;
+    void validate(Words& refuse) const {
+        if (!(period > 0.0) && (lag != 0 || difference != 0))
+            refuse("lag and difference belong to a sampled reference: give a period above 0, or set both to 0");
     }
 
 private:

@@ -73,9 +73,10 @@ struct BoundedEstimationError {
         omega_BN_B_est = omega_BN_B + rate_error_B;
     }
 
-    const char* validate() const {
-        return attitude_bound < 1.0 ? nullptr
-                                    : "attitude_bound is the vector part of a unit quaternion: expected below 1";
+    void validate(Words& refuse) const {
+        if (!(attitude_bound < 1.0))
+            refuse("attitude_bound is the vector part of a unit quaternion: expected below 1, and is %g",
+                   attitude_bound);
     }
 };
 

@@ -100,9 +100,10 @@ struct NonlinearExtendedStateObserver {
         torque_before = torque_B;
     }
 
-    const char* validate() const {
-        if (!(beta_2.determinant() > 0.0)) return "beta_2 has no positive determinant: the estimate would not converge";
-        return nullptr;
+    void validate(Words& refuse) const {
+        const T determinant = beta_2.determinant();
+        if (!(determinant > 0.0))
+            refuse("beta_2 has no positive determinant, but %g: the estimate would not converge", determinant);
     }
 
 private:

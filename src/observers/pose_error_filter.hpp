@@ -68,11 +68,12 @@ struct PoseErrorFilter {
     }
 
     /// All parameters are fixed, so this is asked at the start only.
-    const char* validate() const {
-        return p_eps.dot(p_eps) < k * k
-                   ? nullptr
-                   : "p_eps(0) = k e_eps(0) has the length k or more: an attitude error of 180 deg, "
-                     "e_zeta(0) = 0, where the law does not exist";
+    void validate(Words& refuse) const {
+        if (p_eps.dot(p_eps) < k * k) return;
+        refuse(
+            "p_eps(0) = k e_eps(0) has the length k = %g or more, namely %g: an attitude error of 180 deg, "
+            "e_zeta(0) = 0, where the law does not exist",
+            k, p_eps.norm());
     }
 };
 

@@ -85,7 +85,7 @@ struct Quest {
         q_BN_est = nearest(optimal(D, lambda), before);
     }
 
-    const char* validate() const { return attitude_fault(directions_N, weights); }
+    void validate(Words& refuse) const { refuse_blindness(directions_N, weights, refuse); }
 
 private:
     /// What QUEST makes of an attitude profile D.

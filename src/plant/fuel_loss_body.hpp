@@ -67,7 +67,10 @@ struct FuelLossBody {
         H_N = dcm(q_BN).transpose() * (J_B * omega_BN_B);
     }
 
-    void events(const Events& /*e*/) { thrusting = unspent > 0.0 ? 1.0 : 0.0; }
+    void events(const Events& e) {
+        if (thrusting > 0.0 && !(unspent > 0.0)) e.say("the tank is empty: the thrusters give no torque any more");
+        thrusting = unspent > 0.0 ? 1.0 : 0.0;
+    }
 
     void derivatives() {
         torque_impulseDot = thrusting * norm_of(torque_B);
@@ -76,13 +79,12 @@ struct FuelLossBody {
         omegaDot_BN_B = angular_acceleration<T>(J_B, JDot_B, omega_BN_B, thrusting * torque_B + torque_disturbance_B);
     }
 
-    const char* validate() const {
-        if (!positive_definite<T>(J_0_B - fuel * J_1_B)) {
-            return "J_0_B - fuel J_1_B is not positive definite: without fuel no inertia would be left, choose less "
-                   "fuel "
-                   "or a smaller J_1_B";
-        }
-        return nullptr;
+    void validate(Words& refuse) const {
+        if (!positive_definite<T>(J_0_B - fuel * J_1_B))
+            refuse(
+                "J_0_B - fuel J_1_B is not positive definite: without fuel no inertia would be left, choose less fuel "
+                "or a smaller J_1_B (fuel = %g N.m.s)",
+                fuel);
     }
 };
 

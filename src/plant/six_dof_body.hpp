@@ -73,9 +73,10 @@ struct SixDofBody {
         omegaDot_BN_B = J_B.inverse() * (torque_B + gravity_gradient_torque_B - omega_BN_B.cross(H_B));
     }
 
-    const char* validate() const {
-        return r_BN_N.dot(r_BN_N) > earth_radius * earth_radius ? nullptr
-                                                                : "r_BN_N lies inside the Earth, within earth_radius";
+    void validate(Words& refuse) const {
+        const T distance = r_BN_N.norm();
+        if (!(distance > earth_radius))
+            refuse("r_BN_N lies inside the Earth, within earth_radius: |r_BN_N| = %g m", distance);
     }
 };
 

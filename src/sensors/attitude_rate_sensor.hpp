@@ -66,11 +66,10 @@ struct AttitudeRateSensor {
         omega_BN_B_meas = omega_BN_B + rate_noise_B;
     }
 
-    const char* validate() const {
-        return period > 0.0 || (attitude_noise == 0.0 && rate_noise == 0.0)
-                   ? nullptr
-                   : "attitude_noise or rate_noise is above 0, but period is 0: noise is drawn per sample, give a "
-                     "period";
+    void validate(Words& refuse) const {
+        if (!(period > 0.0) && (attitude_noise > 0.0 || rate_noise > 0.0))
+            refuse(
+                "attitude_noise or rate_noise is above 0, but period is 0: noise is drawn per sample, give a period");
     }
 };
 

@@ -76,11 +76,11 @@ struct InertialMeasurementUnit {
         specific_force_B_meas = specific_force_B + accelerometer_bias + accelerometer_noise_B;
     }
 
-    const char* validate() const {
-        return period > 0.0 || (gyro_noise == 0.0 && accelerometer_noise == 0.0)
-                   ? nullptr
-                   : "gyro_noise or accelerometer_noise is above 0, but period is 0: noise is drawn per sample, give a "
-                     "period";
+    void validate(Words& refuse) const {
+        if (!(period > 0.0) && (gyro_noise > 0.0 || accelerometer_noise > 0.0))
+            refuse(
+                "gyro_noise or accelerometer_noise is above 0, but period is 0: noise is drawn per sample, give a "
+                "period");
     }
 };
 

@@ -49,10 +49,9 @@ struct Magnetometer {
 
     void outputs() { magnetic_field_B_meas = dcm(q_BN) * magnetic_field_N + bias + noise_B; }
 
-    const char* validate() const {
-        return period > 0.0 || noise == 0.0
-                   ? nullptr
-                   : "noise is above 0, but period is 0: noise is drawn per sample, give a period";
+    void validate(Words& refuse) const {
+        if (!(period > 0.0) && noise > 0.0)
+            refuse("noise is above 0, but period is 0: noise is drawn per sample, give a period");
     }
 };
 

@@ -228,3 +228,17 @@ def test_what_has_no_end_is_refused(tmp_path: Path) -> None:
         assert "at t = 0.1: events() comes to no end: " in endless.messages[-1][2]
         endless.set("command", 0.0)
         endless.step(0.1, 0.1)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_what_an_event_says_is_told_once_when_it_counts(version: int) -> None:
+    empty = "at t = 0.4: the tank is empty: the thrusters give no torque any more"
+    with Raw("FuelLossBody", version).initialize(fuel=4.0, torque_B=[10.0, 0.0, 0.0]) as body:
+        body.step(0.0, 0.3)
+        assert not body.messages
+        body.step(0.3, 0.5)
+        assert body.get("fuel_left") == 0.0
+        body.set("torque_B", [5.0, 0.0, 0.0])
+        body.step(0.8, 0.5)
+        ((status, _, text),) = body.messages
+        assert (status, text.endswith(empty)) == (1, True)

@@ -160,7 +160,7 @@ def described(folder: Path, *changes: tuple[str, str]) -> str:
         (SET, "a function is used as a number (the time is a variable: T time = 0.0; and", [
             (BODY, "torque = time * omega;")]),
         (SET, "there is no omgea (did you mean omega?)", [(BODY, "torque = -k * omgea;")]),
-        (DECLARED, "there is no unit::N_mm (did you mean unit::N_m or unit::N_m_s or unit::N2_m2?)", [
+        (DECLARED, "there is no unit::N_mm (did you mean unit::N_m or unit::N_m_s?)", [
             ("N_m_s", "N_mm")]),
         (DECLARED, 'v.parameter does not take these arguments (it takes "name", variable, unit::...', [
             ("unit::N_m_s", '"N.m.s"')]),
@@ -291,8 +291,13 @@ def described(folder: Path, *changes: tuple[str, str]) -> str:
         (18, "too many: at most 96 variables with 1024 elements, 4 clocks and 32 event functions are possible", [
             ('v.output("torque"', 'for (int i = 0; i < 5; ++i) v.sampled(k);\nv.output("torque"'),
             (OUTPUTS, f"{OUTPUTS}\n    void sample(const Sample&) {{}}")]),
-        (25, "validate() has to return what is wrong, or nullptr (const char* validate() const)", [
+        (25, "validate() has to be public and const, and say what is wrong (void validate(Words& refuse) const)", [
             (OUTPUTS, f"{OUTPUTS}\n    bool validate() const {{ return true; }}")]),
+        (DECLARED, "k cannot be inertia matrix: a matrix of 3 x 3, as Mat3<T> is, is expected", [
+            (".above(0)", ".inertia()")]),
+        (19, "omega cannot be unit quaternion: a vector of 4, as Quat<T> is, is expected", [
+            ('"rate")', '"rate").unit_quaternion()')]),
+        (DECLARED, "k cannot be increasing: a vector is expected", [(".above(0)", ".increasing()")]),
         (9, "summary is missing: what the component is, in a line", [("summary", "sumary")]),
         (10, "auto is for what is static (write static constexpr auto, or the type)", [
             ("static constexpr auto kind", "auto kind")]),

@@ -326,27 +326,6 @@ const Instance::Scalar* Instance::find(const char* function, std::uint32_t vr) {
     return nullptr;
 }
 
-Status Instance::get(const char* function, Addressing a, const std::uint32_t* vrs, std::size_t n, double* values,
-                     std::size_t n_values) {
-    return a == Addressing::scalars ? get_values<Addressing::scalars>(function, vrs, n, values, n_values)
-                                    : get_values<Addressing::arrays>(function, vrs, n, values, n_values);
-}
-Status Instance::get(const char* function, Addressing a, const std::uint32_t* vrs, std::size_t n, std::int32_t* values,
-                     std::size_t n_values) {
-    return a == Addressing::scalars ? get_values<Addressing::scalars>(function, vrs, n, values, n_values)
-                                    : get_values<Addressing::arrays>(function, vrs, n, values, n_values);
-}
-Status Instance::set(const char* function, Addressing a, const std::uint32_t* vrs, std::size_t n, const double* values,
-                     std::size_t n_values) {
-    return a == Addressing::scalars ? set_values<Addressing::scalars>(function, vrs, n, values, n_values)
-                                    : set_values<Addressing::arrays>(function, vrs, n, values, n_values);
-}
-Status Instance::set(const char* function, Addressing a, const std::uint32_t* vrs, std::size_t n,
-                     const std::int32_t* values, std::size_t n_values) {
-    return a == Addressing::scalars ? set_values<Addressing::scalars>(function, vrs, n, values, n_values)
-                                    : set_values<Addressing::arrays>(function, vrs, n, values, n_values);
-}
-
 /// Whether all references are known and stand for so many values; `traits` is what any of them has.
 template <Addressing A>
 bool Instance::scan(const std::uint32_t* vrs, std::size_t n, std::size_t n_values, unsigned* traits) const {
@@ -379,8 +358,8 @@ Status Instance::check_references(const char* function, const std::uint32_t* vrs
 }
 
 template <Addressing A, class Value>
-Status Instance::get_values(const char* function, const std::uint32_t* vrs, std::size_t n, Value* values,
-                            std::size_t n_values) {
+Status Instance::get(const char* function, const std::uint32_t* vrs, std::size_t n, Value* values,
+                     std::size_t n_values) {
     if ((vrs == nullptr && n != 0) || (values == nullptr && n_values != 0)) return null_pointer(function);
     unsigned traits = 0;
     const unsigned other_type = type_of(Value{}) == Type::float64 ? trait_int32 : trait_float64;
@@ -449,8 +428,8 @@ Status Instance::check_values(const char* function, const std::uint32_t* vrs, st
 }
 
 template <Addressing A, class Value>
-Status Instance::set_values(const char* function, const std::uint32_t* vrs, std::size_t n, const Value* values,
-                            std::size_t n_values) {
+Status Instance::set(const char* function, const std::uint32_t* vrs, std::size_t n, const Value* values,
+                     std::size_t n_values) {
     if ((vrs == nullptr && n != 0) || (values == nullptr && n_values != 0)) return null_pointer(function);
     // What an importer sets in its loop are finite values of plain inputs: nothing else needs a closer look.
     unsigned traits = 0;
@@ -472,6 +451,17 @@ Status Instance::set_values(const char* function, const std::uint32_t* vrs, std:
     outputs_fresh_ = derivatives_fresh_ = false;
     return Status::ok;
 }
+
+#define ADCS_VALUES(ADDRESSING, VALUE)                                                                             \
+    template Status Instance::get<ADDRESSING, VALUE>(const char*, const std::uint32_t*, std::size_t, VALUE*,       \
+                                                     std::size_t);                                                 \
+    template Status Instance::set<ADDRESSING, VALUE>(const char*, const std::uint32_t*, std::size_t, const VALUE*, \
+                                                     std::size_t);
+ADCS_VALUES(Addressing::scalars, double)
+ADCS_VALUES(Addressing::scalars, std::int32_t)
+ADCS_VALUES(Addressing::arrays, double)
+ADCS_VALUES(Addressing::arrays, std::int32_t)
+#undef ADCS_VALUES
 
 // --------------------------------------------------------------------------------------------------- evaluation
 

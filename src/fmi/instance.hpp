@@ -65,13 +65,11 @@ public:
     Status terminate();
     Status reset();
 
-    Status get(const char* function, Addressing, const std::uint32_t* vrs, std::size_t n, double* values,
-               std::size_t n_values);
-    Status get(const char* function, Addressing, const std::uint32_t* vrs, std::size_t n, std::int32_t* values,
-               std::size_t n_values);
-    Status set(const char* function, Addressing, const std::uint32_t* vrs, std::size_t n, const double* values,
-               std::size_t n_values);
-    Status set(const char* function, Addressing, const std::uint32_t* vrs, std::size_t n, const std::int32_t* values,
+    // Templated on the addressing so that the loops over scalars have no inner loop.
+    template <Addressing A, class Value>
+    Status get(const char* function, const std::uint32_t* vrs, std::size_t n, Value* values, std::size_t n_values);
+    template <Addressing A, class Value>
+    Status set(const char* function, const std::uint32_t* vrs, std::size_t n, const Value* values,
                std::size_t n_values);
 
     Status differentiate(const char* function, Addressing, const std::uint32_t* unknowns, std::size_t n_unknowns,
@@ -157,7 +155,6 @@ private:
         const double* rate;
     };
 
-    // Templated on the addressing so that the loops over scalars have no inner loop.
     template <Addressing A>
     static std::uint32_t count_of(const Scalar& s) {
         return A == Addressing::scalars ? 1 : s.array_size;
@@ -171,12 +168,6 @@ private:
     template <Addressing A, class Value>
     Status check_values(const char* function, const std::uint32_t* vrs, std::size_t n, const Value* values,
                         std::size_t n_values);
-    template <Addressing A, class Value>
-    Status get_values(const char* function, const std::uint32_t* vrs, std::size_t n, Value* values,
-                      std::size_t n_values);
-    template <Addressing A, class Value>
-    Status set_values(const char* function, const std::uint32_t* vrs, std::size_t n, const Value* values,
-                      std::size_t n_values);
     bool may_set(const char* function, const Scalar& s);
     bool in_range(const char* function, const Variable& v, std::uint32_t element, double value);
     template <Addressing A>

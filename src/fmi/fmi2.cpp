@@ -83,35 +83,43 @@ fmi2Status fmi2Reset(fmi2Component c) {
 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real value[]) {
     return call(c, mode_any, __func__, [&](Instance& instance, const char* function) {
-        return instance.get<Addressing::scalars>(function, vr, n, value, n);
+        return instance.get<Addressing::scalars, Floats>(function, vr, n, value, n);
     });
 }
 fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Integer value[]) {
     return call(c, mode_any, __func__, [&](Instance& instance, const char* function) {
-        return instance.get<Addressing::scalars>(function, vr, n, value, n);
+        return instance.get<Addressing::scalars, fmi2::IntegersAndItems>(function, vr, n, value, n);
     });
 }
-fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Boolean[]) {
-    return none_of_type(c, __func__, n, vr);
+fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Boolean value[]) {
+    return call(c, mode_any, __func__, [&](Instance& instance, const char* function) {
+        return instance.get<Addressing::scalars, fmi2::Booleans>(function, vr, n, value, n);
+    });
 }
-fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2String[]) {
-    return none_of_type(c, __func__, n, vr);
+fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2String value[]) {
+    return call(c, mode_any, __func__, [&](Instance& instance, const char* function) {
+        return instance.get<Addressing::scalars, Texts>(function, vr, n, value, n);
+    });
 }
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real value[]) {
     return call(c, mode_settable, __func__, [&](Instance& instance, const char* function) {
-        return instance.set<Addressing::scalars>(function, vr, n, value, n);
+        return instance.set<Addressing::scalars, Floats>(function, vr, n, value, n);
     });
 }
 fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer value[]) {
     return call(c, mode_settable, __func__, [&](Instance& instance, const char* function) {
-        return instance.set<Addressing::scalars>(function, vr, n, value, n);
+        return instance.set<Addressing::scalars, fmi2::IntegersAndItems>(function, vr, n, value, n);
     });
 }
-fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Boolean[]) {
-    return none_of_type(c, __func__, n, vr);
+fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Boolean value[]) {
+    return call(c, mode_settable, __func__, [&](Instance& instance, const char* function) {
+        return instance.set<Addressing::scalars, fmi2::Booleans>(function, vr, n, value, n);
+    });
 }
-fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2String[]) {
-    return none_of_type(c, __func__, n, vr);
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2String value[]) {
+    return call(c, mode_settable, __func__, [&](Instance& instance, const char* function) {
+        return instance.set<Addressing::scalars, Texts>(function, vr, n, value, n);
+    });
 }
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate* state) {

@@ -37,6 +37,17 @@ fmi3Instance instantiate(Interface interface, fmi3String name, fmi3String token,
     return component;
 }
 
+/// Where values are, as the instance takes them: what is not known to be a bool is looked at as a byte.
+template <class P, class Value>
+auto* passed(Value* values) {
+    if constexpr (std::is_const_v<Value>) {
+        return reinterpret_cast<const typename P::Value*>(values);
+    } else {
+        return reinterpret_cast<typename P::Value*>(values);
+    }
+}
+static_assert(sizeof(fmi3Boolean) == sizeof(fmi3::Booleans::Value));
+
 }  // namespace
 
 extern "C" {
@@ -93,29 +104,25 @@ fmi3Status fmi3Reset(fmi3Instance i) {
     return call(i, mode_any, __func__, [&](Instance& instance) { return instance.reset(); });
 }
 
-fmi3Status fmi3GetFloat64(fmi3Instance i, const fmi3ValueReference vr[], size_t n, fmi3Float64 values[],
-                          size_t n_values) {
-    return call(i, mode_any, __func__, [&](Instance& instance, const char* function) {
-        return instance.get<Addressing::arrays>(function, vr, n, values, n_values);
-    });
-}
-fmi3Status fmi3SetFloat64(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const fmi3Float64 values[],
-                          size_t n_values) {
-    return call(i, mode_settable, __func__, [&](Instance& instance, const char* function) {
-        return instance.set<Addressing::arrays>(function, vr, n, values, n_values);
-    });
-}
-fmi3Status fmi3GetInt32(fmi3Instance i, const fmi3ValueReference vr[], size_t n, fmi3Int32 values[], size_t n_values) {
-    return call(i, mode_any, __func__, [&](Instance& instance, const char* function) {
-        return instance.get<Addressing::arrays>(function, vr, n, values, n_values);
-    });
-}
-fmi3Status fmi3SetInt32(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const fmi3Int32 values[],
-                        size_t n_values) {
-    return call(i, mode_settable, __func__, [&](Instance& instance, const char* function) {
-        return instance.set<Addressing::arrays>(function, vr, n, values, n_values);
-    });
-}
+#define ADCS_VARIABLES_OF(TYPE, PASSED)                                                                          \
+    fmi3Status fmi3Get##TYPE(fmi3Instance i, const fmi3ValueReference vr[], size_t n, fmi3##TYPE values[],       \
+                             size_t n_values) {                                                                  \
+        return call(i, mode_any, __func__, [&](Instance& instance, const char* function) {                       \
+            return instance.get<Addressing::arrays, PASSED>(function, vr, n, passed<PASSED>(values), n_values);  \
+        });                                                                                                      \
+    }                                                                                                            \
+    fmi3Status fmi3Set##TYPE(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const fmi3##TYPE values[], \
+                             size_t n_values) {                                                                  \
+        return call(i, mode_settable, __func__, [&](Instance& instance, const char* function) {                  \
+            return instance.set<Addressing::arrays, PASSED>(function, vr, n, passed<PASSED>(values), n_values);  \
+        });                                                                                                      \
+    }
+ADCS_VARIABLES_OF(Float64, Floats)
+ADCS_VARIABLES_OF(Int32, Integers)
+ADCS_VARIABLES_OF(Int64, fmi3::EnumerationItems)
+ADCS_VARIABLES_OF(Boolean, fmi3::Booleans)
+ADCS_VARIABLES_OF(String, Texts)
+#undef ADCS_VARIABLES_OF
 
 #define ADCS_NO_VARIABLES_OF(TYPE)                                                                                  \
     fmi3Status fmi3Get##TYPE(fmi3Instance i, const fmi3ValueReference vr[], size_t n, fmi3##TYPE[], size_t) {       \
@@ -130,10 +137,7 @@ ADCS_NO_VARIABLES_OF(UInt8)
 ADCS_NO_VARIABLES_OF(Int16)
 ADCS_NO_VARIABLES_OF(UInt16)
 ADCS_NO_VARIABLES_OF(UInt32)
-ADCS_NO_VARIABLES_OF(Int64)
 ADCS_NO_VARIABLES_OF(UInt64)
-ADCS_NO_VARIABLES_OF(Boolean)
-ADCS_NO_VARIABLES_OF(String)
 #undef ADCS_NO_VARIABLES_OF
 
 fmi3Status fmi3GetBinary(fmi3Instance i, const fmi3ValueReference vr[], size_t n, size_t[], fmi3Binary[], size_t) {

@@ -12,6 +12,8 @@
 namespace adcs {
 
 inline double scale(double factor, double tangent) { return factor * tangent; }
+/// Told of the tangent of each number that something was decided by, which has none itself.
+inline void decided_by(double /*tangent*/) {}
 
 /// Value and tangent; `Tangent` needs `a + b` and `scale(factor, a)`.
 template <class Tangent>
@@ -41,12 +43,16 @@ struct Lifted {
         return {quotient, scale(1.0 / b.value, a.tangent) + scale(-quotient / b.value, b.tangent)};
     }
 
-    friend bool operator<(const Lifted& a, const Lifted& b) { return a.value < b.value; }
-    friend bool operator>(const Lifted& a, const Lifted& b) { return a.value > b.value; }
-    friend bool operator<=(const Lifted& a, const Lifted& b) { return a.value <= b.value; }
-    friend bool operator>=(const Lifted& a, const Lifted& b) { return a.value >= b.value; }
-    friend bool operator==(const Lifted& a, const Lifted& b) { return a.value == b.value; }
-    friend bool operator!=(const Lifted& a, const Lifted& b) { return a.value != b.value; }
+    friend bool operator<(const Lifted& a, const Lifted& b) { return decisive(a) < decisive(b); }
+    friend bool operator>(const Lifted& a, const Lifted& b) { return decisive(a) > decisive(b); }
+    friend bool operator<=(const Lifted& a, const Lifted& b) { return decisive(a) <= decisive(b); }
+    friend bool operator>=(const Lifted& a, const Lifted& b) { return decisive(a) >= decisive(b); }
+    friend bool operator==(const Lifted& a, const Lifted& b) { return decisive(a) == decisive(b); }
+    friend bool operator!=(const Lifted& a, const Lifted& b) { return decisive(a) != decisive(b); }
+    friend double decisive(const Lifted& a) {
+        decided_by(a.tangent);
+        return a.value;
+    }
 
     friend Lifted sqrt(const Lifted& a) {
         const double root = math::sqrt(a.value);
@@ -72,7 +78,7 @@ using Dual = Lifted<double>;
 inline double value_of(double x) { return x; }
 template <class Tangent>
 double value_of(const Lifted<Tangent>& x) {
-    return x.value;
+    return decisive(x);
 }
 
 }  // namespace adcs

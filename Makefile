@@ -49,6 +49,7 @@ dist: $(VENV)/installed
 release: $(VENV)/installed-dev dist
 	$(BIN)/python -m build --sdist --outdir dist . >/dev/null
 	$(BIN)/cyclonedx-py requirements requirements/run.lock --pyproject pyproject.toml --mc-type library --output-reproducible -o dist/bill-of-materials.cdx.json
+	$(BIN)/python -m adcs.bill dist/bill-of-materials.cdx.json
 	$(BIN)/python -m adcs.release dist
 
 # That wheel in an environment of its own, without a compiler and out of reach of this folder; prints sizes and times.

@@ -1,7 +1,8 @@
-"""Spacecraft attitude control as FMI components: build and check them, wire them into systems, run those.
+"""Spacecraft attitude control as native FMI components, orchestrated by fmpy.
 
-`import adcs` is all that a program needs. What is here is listed in `__init__.pyi`, once for type checkers and for the
-loading of each name when it is first used: so the import costs nothing.
+`import adcs` is all that a program needs: it builds and checks components, wires them into systems, runs those. What is
+here is listed in `__init__.pyi`, once for type checkers and for the loading of each name when it is first used: so the
+import costs nothing.
 """
 
 from __future__ import annotations

@@ -12,7 +12,11 @@ from adcs.catalogue import systems as systems
 from fmus.build import build as build
 from fmus.catalog import components as components
 from fmus.errors import AdcsError as AdcsError
+from orchestration.entry import SystemEntry as SystemEntry
 from orchestration.plan.loops import LoopSolver as LoopSolver
+from orchestration.results.plots import Panel as Panel
+from orchestration.results.plots import Series as Series
+from orchestration.results.report import KeyNumber as KeyNumber
 from orchestration.results.result import Result as Result
 from orchestration.results.result import RunFailed as RunFailed
 from orchestration.results.result import RunInterrupted as RunInterrupted

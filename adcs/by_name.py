@@ -50,7 +50,7 @@ def check(fmu: str | Path) -> list[Finding]:
     """Everything that is found in an FMU that it or a run should not have; empty if it is fine.
 
     `fmu` is the path of an `.fmu`, the name of a built component, whose FMUs are looked at, or a system, each of whose
-    components is: its name, or the path of its `.ssp` or `.py`.
+    components is: its name, or the path of its `.ssp` or `.py`; or a folder of headers or FMUs.
     """
     meant = isinstance(fmu, str | Path) and (names_system(str(fmu)) or is_header(fmu) or not Path(fmu).is_file())
     if not meant or Path(fmu).suffix == ".fmu":

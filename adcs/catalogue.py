@@ -2,74 +2,84 @@
 
 from __future__ import annotations
 
-import logging
-import pkgutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
+from typing import TypeVar
 
-from adcs import library, others
+from adcs import library, listed, others
 from adcs.library.entry import StudyEntry
+from adcs.loaded import load
 from fmus import catalog
 from fmus.built import fmus_of
 from fmus.catalog import Component
 from fmus.demand import ready_made
 from fmus.errors import AdcsError, shown
-from fmus.spelling import close
+from fmus.nearby import instead
+from fmus.spelling import close, some
 from orchestration.entry import SystemEntry
 from orchestration.from_file import component_alone, is_file, system_from_file
 from orchestration.from_python import is_python
 from orchestration.ssp.names import is_ssp
 
-_log = logging.getLogger("adcs")
-
-# Each folder of `library` brings its own, in its module `catalogue`.
-_BROUGHT = [
-    import_module(f"{library.__name__}.{folder.name}.catalogue")
-    for folder in pkgutil.iter_modules(library.__path__)
-    if folder.ispkg
-]
-SYSTEMS: dict[str, SystemEntry] = {entry.name: entry for brought in _BROUGHT for entry in brought.SYSTEMS}
-STUDIES: dict[str, StudyEntry] = {entry.name: entry for brought in _BROUGHT for entry in brought.STUDIES}
+_Entry = TypeVar("_Entry")
 
 
-def systems() -> dict[str, SystemEntry]:
-    """Return the systems by name, those of other packages, too; `systems()["observer-pd"].build()` is the system."""
-    found = dict(SYSTEMS)
-    for name, entry in _brought():
-        if isinstance(entry, AdcsError):
-            _log.warning(str(entry))
-        else:
-            found[name] = entry
-    return found
+class _Entries(Mapping[str, _Entry]):
+    """What has a name, each loaded when it is asked for; the names cost nothing."""
+
+    def __init__(self, names: Iterable[str], load: Callable[[str], _Entry]) -> None:
+        self._names, self._load = dict.fromkeys(names), load
+
+    def __getitem__(self, name: str) -> _Entry:
+        if name not in self._names:
+            raise KeyError(name)
+        return self._load(name)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._names
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __repr__(self) -> str:
+        return f"<{some(self)}>"
 
 
-def descriptions() -> dict[str, str]:
-    """Return what each system is; of one that another package brings, and that cannot be loaded, why."""
-    told = {name: entry.description for name, entry in SYSTEMS.items()}
-    return told | {name: str(e) if isinstance(e, AdcsError) else e.description for name, e in _brought()}
+def _own(name: str) -> ModuleType:
+    return import_module(f"{library.__name__}.{listed.FOLDERS[name]}.entries")
 
 
-def _brought() -> Iterator[tuple[str, SystemEntry | AdcsError]]:
-    """Yield the systems of other packages, and for what cannot be loaded why: that is no reason to hide the others."""
-    own = _own_components()
-    others.warn_of_clashes(SYSTEMS, "a system")
-    others.warn_of_clashes(own, "a component")
-    for name, point in others.names().items():
-        if name not in SYSTEMS and name not in own:
-            try:
-                yield name, others.load(point)
-            except AdcsError as error:
-                yield name, error
+def _system(name: str) -> SystemEntry:
+    found: list[SystemEntry] = _own(name).SYSTEMS
+    return next(entry for entry in found if entry.name == name)
 
 
-def _own_components() -> set[str]:
-    return {component.name for component in catalog.components()}
+def _study(name: str) -> StudyEntry:
+    found: list[StudyEntry] = _own(name).STUDIES
+    return next(entry for entry in found if entry.name == name)
 
 
-def studies() -> dict[str, StudyEntry]:
+SYSTEMS: Mapping[str, SystemEntry] = _Entries(listed.SYSTEMS, _system)
+STUDIES: Mapping[str, StudyEntry] = _Entries(listed.STUDIES, _study)
+
+
+def systems() -> Mapping[str, SystemEntry]:
+    """Return the systems by name, those of other packages, too; `systems()["observer-pd"].build()` is the system.
+
+    Each is loaded when it is asked for; AdcsError then, if one of another package cannot be.
+    """
+    return _Entries([*SYSTEMS, *listed.theirs(listed.own_components())], find_system)
+
+
+def studies() -> Mapping[str, StudyEntry]:
     """Return the studies by name."""
-    return dict(STUDIES)
+    return STUDIES
 
 
 def find_component(name: str) -> Component:
@@ -84,24 +94,46 @@ def names_system(name: str) -> bool:
     """Whether a name is that of a system, or of a file with one; not that of a component, which can be one as well."""
     if name in SYSTEMS or is_ssp(name) or is_python(name):
         return True
-    return name in others.names() and name not in _own_components()
+    return name in others.names() and name not in listed.own_components()
 
 
 def fmus_meant(name: str) -> list[Path]:
-    """Return the FMUs of a component, of all components of a system, or the one that has this path."""
+    """Return the FMUs of a component, of all components of a system, in a folder, or the one that has this path."""
     if names_system(name):
         parts = find_system(name).build().components.values()
         return list(dict.fromkeys(path for part in parts for path in fmus_meant(str(part.source))))
     if ready_made(name) is not None:
         return list(catalog.brought(name)[name].fmus)
+    if Path(name).suffix != ".fmu" and Path(name).is_dir():
+        return _in_folder(Path(name))
     if Path(name).suffix != ".fmu":
         return fmus_of(find_component(name))
     if not Path(name).is_file():
-        raise AdcsError(f"{name} is no file")
+        raise AdcsError(f"{name} is no file{instead(name)}")
     return [Path(name)]
 
 
+def _in_folder(folder: Path) -> list[Path]:
+    """Return the FMUs of the headers in a folder, built if need be, and what else lies there as an .fmu."""
+    there = sorted(folder.glob("*.fmu"))
+    try:
+        of_headers = [path for component in catalog.meant(str(folder)) for path in fmus_of(component)]
+    except AdcsError:
+        if not there or any(folder.glob("*.hpp")):
+            raise
+        of_headers = []
+    known = {path.resolve() for path in of_headers}
+    return [*of_headers, *(path for path in there if path.resolve() not in known)]
+
+
 _WAY_OUT = "`adcs list` shows all; or give an .ssp, .py or .fmu file"
+
+
+def _files_here() -> list[str]:
+    """Return the files with systems that are in this folder, whose suffix may have been left out."""
+    with suppress(OSError):
+        return [path.name for path in sorted(Path().iterdir()) if path.suffix in (".py", ".ssp", ".fmu", ".hpp")]
+    return []
 
 
 def find_system(name: str) -> SystemEntry:
@@ -109,14 +141,14 @@ def find_system(name: str) -> SystemEntry:
     if is_file(name):
         return system_from_file(name)
     if name not in SYSTEMS:
-        own, theirs = _own_components(), others.names()
+        own, theirs = listed.own_components(), others.names()
         others.warn_of_clashes(own & {name}, "a component")
         if name in theirs and name not in own:
-            return others.load(theirs[name])
+            return load(theirs[name])
         components = [*own, *catalog.brought(name)]
         if name in components:
             return component_alone(name)
-        meant = close(name, [*SYSTEMS, *theirs, *components])
+        meant = close(name, [*SYSTEMS, *theirs, *components, *_files_here()])
         hint = f"did you mean {meant}? " if meant else ""
         raise AdcsError(f"no system {shown(repr(name))}: {hint}{_WAY_OUT}")
     others.warn_of_clashes({name}, "a system")

@@ -17,8 +17,9 @@ from rich.progress import track
 from rich.table import Table
 
 from adcs import AdcsError, Save, run
+from adcs.library.trigo.catalogue import SCENARIOS
 from adcs.library.trigo.metrics import measure
-from adcs.library.trigo.settings import AS_MADE, CONTROL_RATE, CONTROLLERS, SCENARIOS, STOP_TIME
+from adcs.library.trigo.settings import AS_MADE, CONTROL_RATE, CONTROLLERS, STOP_TIME
 from adcs.library.trigo.systems import build, exchange_step, recorded
 
 STEPS_PER_RUN = round(STOP_TIME * CONTROL_RATE)

@@ -13,6 +13,7 @@ from types import TracebackType
 from typing import Self
 
 from fmus.errors import AdcsError
+from fmus.nearby import not_opened
 
 LARGEST_XML = 64 << 20  # bytes; a model of 100 000 variables has 20 MB
 LARGEST_ARCHIVE = 4 << 30  # bytes unpacked
@@ -39,7 +40,7 @@ class Archive:
                 raise AdcsError(f"cannot open {path}: it is no file")
             self._zip = zipfile.ZipFile(path if content is None else io.BytesIO(content))
         except OSError as error:
-            raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
+            raise not_opened(path, error) from error
         except AdcsError:
             raise
         except Exception as error:  # zipfile lets those of struct, of decoding and others out of a damaged directory

@@ -17,7 +17,7 @@ from fmus.describe import Description, Misdeclared, described, parse
 from fmus.errors import AdcsError
 from fmus.files import digest, make_folder, write_atomically
 from fmus.lock import Lock
-from fmus.mistakes import from_compiler, from_declaration
+from fmus.mistakes import from_compiler, from_declaration, truncated
 from fmus.pack import FILE_NAMES, Parts, is_own, licences, pack
 from fmus.paths import BUILD, DIST, EIGEN, FMI_HEADERS, SOURCES
 from fmus.toolchain import (
@@ -41,8 +41,19 @@ _log = logging.getLogger("adcs")
 Progress = Callable[[int, int, str], None]
 """Called with the number of steps done, of all steps, and the name of what was done."""
 
-ADAPTOR = ("instance", "saved_state", "runtime", "fmi2", "fmi3")
+ADAPTOR = ("instance", "events", "saved_state", "runtime", "fmi2", "fmi3")
 """Sources in src/fmi that every binary contains."""
+
+DESCRIBE_FLAGS = (
+    "-DADCS_DESCRIBE",
+    "-ftemplate-backtrace-limit=0",  # the line of the header is among what would be left out
+    # what a law is never meant to be, and compiles; it is the first program that is made of a header
+    *(
+        f"-Werror={each}"
+        for each in ("uninitialized", "return-type", "unused-comparison", "division-by-zero", "array-bounds")
+    ),
+)
+"""With which the program is compiled that says what a component declares."""
 
 
 def build(
@@ -185,20 +196,24 @@ class _Plan:
             for t in targets
         }
         # not optimised, which takes longer than the program runs
-        machine, flag = host(), "-DADCS_DESCRIBE"
-        header = self._header("describe", machine, flag, optimised=False)
+        machine = host()
+        header = self._header("describe", machine, *DESCRIBE_FLAGS, optimised=False)
         describe = [
             compile_step(
                 self._model,
                 self._object(f"describe_{component.name}", machine, self._own),
                 machine,
-                flag,
+                *DESCRIBE_FLAGS,
                 *self._include,
                 header=header,
                 optimised=False,
             ),
             compile_step(
-                SOURCES / "fmi" / "describe.cpp", self._object("describe", machine), machine, flag, optimised=False
+                SOURCES / "fmi" / "describe.cpp",
+                self._object("describe", machine),
+                machine,
+                *DESCRIBE_FLAGS,
+                optimised=False,
             ),
             self._compile_adaptor("runtime", machine),
         ]
@@ -212,11 +227,13 @@ class _Plan:
 
     def described(self) -> dict[str, Any]:
         """Return what the component declares, as JSON; AdcsError in one line if it declares what cannot be."""
+        header, mistake = self.component.header, truncated(self.component.header)
+        if mistake is not None:
+            raise AdcsError(mistake)
         try:
             return described(self.describe_link.output)
         except Misdeclared as error:
-            mistake = from_declaration(str(error), self.component.header, self.component.name)
-            raise AdcsError(mistake) from None
+            raise AdcsError(from_declaration(str(error), header, self.component.name)) from None
 
     def pack(self, dist: Path) -> Iterator[Path]:
         """Write the FMUs unless they were packed of the same things before; yield their paths."""

@@ -21,10 +21,8 @@ from fmus.catalog import Component
 from fmus.describe import Description, parse
 from fmus.files import digest, write_atomically
 from fmus.pack import FILE_NAMES, Parts
-from fmus.paths import PACKAGE, SOURCES
+from fmus.paths import CARRIED, SOURCES
 from fmus.toolchain import TARGETS, Target
-
-CARRIED = PACKAGE / "carried"
 
 _PARTS, _INDEX = "parts", "components.json"
 

@@ -9,8 +9,10 @@ from functools import cache
 from pathlib import Path
 from typing import Literal
 
+from fmus.code import Place, code_lines, line_of
 from fmus.errors import AdcsError
 from fmus.freshness import orphaned
+from fmus.nearby import instead
 from fmus.packages import GROUP, component_files, points, warn_once
 from fmus.paths import BUILD, SOURCES
 from fmus.spelling import close
@@ -112,7 +114,7 @@ def from_header(path: Path) -> Component:
     """The component that a header from anywhere declares; AdcsError in one line if it declares none."""
     header = Path(os.path.abspath(path))  # noqa: PTH100  without `..`, as the compiler names what it includes
     if not header.is_file():
-        raise AdcsError(f"{path} is no file")
+        raise AdcsError(f"{path} is no file{instead(path)}")
     if not re.fullmatch(FILE_NAME, header.stem):
         raise AdcsError(f"{path}: small letters, digits and underscores make the name of a header, as in my_law.hpp")
     found = _component(header, "controller")
@@ -124,7 +126,9 @@ def from_header(path: Path) -> Component:
     said = re.search(r'\bkind\s*=\s*"(\w*)"', code)
     kind = said[1] if said else KINDS.get(header.parent.name) or _assumed_kind(header, found.kind)
     if kind not in KINDS.values():
-        raise AdcsError(f"{path}: kind = {kind!r} is unknown: use {' or '.join(KINDS.values())}")
+        raise AdcsError(
+            f"{line_of(header, 'kind') or path}: kind = {kind!r} is unknown: use {' or '.join(KINDS.values())}"
+        )
     return replace(found, kind=kind, header=header, root=header.parent)
 
 
@@ -145,8 +149,8 @@ class Brought:
     fmus: tuple[Path, ...] = ()
 
 
-def brought(asked: str | None = None) -> dict[str, Brought]:
-    """The components of other packages by name.
+def brought(asked: str | None = None, run_code: bool = True) -> dict[str, Brought]:
+    """The components of other packages by name; without `run_code` those that are found without running theirs.
 
     One whose name something else has, here or there, is told, if it is asked for by that name, or all are.
     """
@@ -154,7 +158,7 @@ def brought(asked: str | None = None) -> dict[str, Brought]:
     if not points(GROUP):
         return found
     own = {component.name for component in components()}
-    for path, package in component_files(quiet=asked in own):
+    for path, package in component_files(asked in own, run_code and asked not in own):
         header = path if is_header(path) else None
         if header is not None and "declare(" not in header.read_text(encoding="utf-8", errors="replace"):
             continue
@@ -208,6 +212,21 @@ def _component(header: Path, kind: str) -> Component | None:
     return _read(header, kind, status.st_mtime_ns, status.st_size)
 
 
+def _misnamed(header: Path, name: str) -> str:
+    """Say what a header has instead of the struct of this name."""
+    others = [
+        line for line in code_lines(header) if re.search(r"\b(?:struct|class)\s+\w+\s*(?:final\s*)?(?::|\{|$)", line[1])
+    ]
+    declared = next((number for number, line in code_lines(header) if "declare(" in line), 0)
+    number, line = max((each for each in others if each[0] <= declared), default=(1, ""))
+    place = Place(header, number)
+    if re.search(rf"\bclass {name}\b", line):
+        return f"{place}: a component is a struct, whose members are public (struct {name})"
+    found = re.search(r"\b(?:struct|class)\s+(\w+)", line)
+    instead = f", but {found[1]}" if found else ""
+    return f"{place}: there is no `struct {name}`{instead}; a component's struct has its file's name in CamelCase"
+
+
 @cache
 def _read(header: Path, kind: str, _modified: int, _size: int) -> Component | None:
     name = struct_name(header.stem)
@@ -218,6 +237,6 @@ def _read(header: Path, kind: str, _modified: int, _size: int) -> Component | No
     if "declare(" not in code:
         return None  # shared between components
     if not re.search(rf"\bstruct {name}\b", code):
-        raise AdcsError(f"{header}: there is no `struct {name}`; a component's struct has its file's name in CamelCase")
+        raise AdcsError(_misnamed(header, name))
     summary = re.search(r'\bsummary\s*=\s*"([^"]*)"', code)
     return Component(name, kind, header, summary[1] if summary else "")

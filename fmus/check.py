@@ -23,6 +23,7 @@ from fmus.checks.description import (
 from fmus.checks.functions import FUNCTIONS, advice, bare, called_in
 from fmus.checks.version import check_version
 from fmus.errors import AdcsError
+from fmus.nearby import instead
 from fmus.pack import is_own
 from fmus.readable import read_model
 from fmus.references import unresolved
@@ -55,7 +56,7 @@ def check(path: Path | str, behaviour: Callable[[Path], Iterable[str]] | None = 
 def _check(path: Path, behaviour: Callable[[Path], Iterable[str]]) -> Iterator[Finding]:
     try:
         if not path.is_file():
-            raise FileNotFoundError("it is no file")
+            raise FileNotFoundError(f"it is no file{instead(path)}")
         archive = zipfile.ZipFile(path)
     except Exception as error:  # zipfile lets those of struct, of decoding and others out of a damaged directory
         yield Finding("archive", f"{path} is no readable ZIP file: {error}")

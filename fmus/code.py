@@ -25,6 +25,16 @@ class Place(NamedTuple):
         except (OSError, IndexError):
             return ""
 
+    @property
+    def before(self) -> str:
+        """What stands before it in the line."""
+        return self.source[: self.column - 1]
+
+    @property
+    def after(self) -> str:
+        """What stands in the line from it on."""
+        return self.source[self.column - 1 :]
+
     def __str__(self) -> str:
         """Return how it is told: `law.hpp:17`, from the folder that the user is in if it is there."""
         here = Path.cwd()

@@ -107,6 +107,7 @@ def _make(component: Component, why: str) -> None:
             freshness.keep_record(path, record)
         return
     if not toolchain.is_installed():
-        raise Failed(f"{why}, and no compiler is installed to build it: {toolchain.INSTALL}")
+        way_out = toolchain.INSTALL if component.outside else toolchain.without()
+        raise Failed(f"{why}, and no compiler is installed to build it: {way_out}")
     _log.info(f"{why}: building {component.name}")
     build([component.source], dist=paths.DIST, work=paths.BUILD)

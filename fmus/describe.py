@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fmus.errors import AdcsError
+from fmus.errors import AdcsError, shown
+from fmus.process_end import how
 
 
 @dataclass(frozen=True)
@@ -64,6 +65,8 @@ class Variable:
     """The same during initialisation."""
     items: tuple[str, ...] = ()
     """Of an enumeration: the names of 0, 1, 2 and so on."""
+    is_event: bool = False
+    """Whether it is an event function, by whose sign things happen."""
     is_seed: bool = False
     """Whether it is the seed of random draws."""
     condition: str | None = None
@@ -127,7 +130,6 @@ class Description:
     differentiable: bool
     sampled: bool
     states: int
-    event_indicators: int
     log_categories: tuple[LogCategory, ...]
     units: tuple[Unit, ...]
     variables: tuple[Variable, ...]
@@ -141,17 +143,29 @@ REFUSED = 2
 """The exit code of a describe program for a mistake in the declaration, as in `src/fmi/describe.hpp`."""
 
 
+SECONDS = 60
+"""How long a describe program may take, which needs some milliseconds."""
+NOT_PRINTED = "laws print nothing (what is to be seen of a law is an output: v.output(...) in declare())"
+
+
 class Misdeclared(AdcsError):
     """What a describe program refuses: a text by which the line is found, a tab, and words."""
 
 
 def described(program: Path) -> dict[str, Any]:
     """What a component's describe program prints, as JSON."""
-    result = subprocess.run([program], capture_output=True, text=True, encoding="utf-8", check=False)
+    try:
+        result = subprocess.run([program], capture_output=True, text=True, errors="replace", timeout=SECONDS)
+    except subprocess.TimeoutExpired:
+        raise Misdeclared(f"\tits law does not end within {SECONDS} s (a loop without an end?)") from None
     if result.returncode == REFUSED:
         raise Misdeclared(result.stderr)
     if result.returncode != 0:
-        raise AdcsError(f"{program.name} ended with exit code {result.returncode}: {result.stderr.strip()}")
+        said = shown(result.stderr.strip())
+        why = f": {said}" if said else " (a whole number divided by 0, or an element that an array does not have?)"
+        raise Misdeclared(f"\tits law ends the process: {how(result.returncode)}{why}")
+    if not result.stdout.startswith("{"):
+        raise Misdeclared("\t" + NOT_PRINTED)
     try:
         content: dict[str, Any] = json.loads(result.stdout)
         parse(content)

@@ -10,6 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from fmus.code import Place, code_lines, line_of
+from fmus.describe import NOT_PRINTED
 from fmus.errors import shown
 from fmus.paths import BUILD, EIGEN, FMI_HEADERS, SOURCES
 from fmus.wording import LONGEST, Error, in_words
@@ -18,8 +19,9 @@ _LINE = re.compile(
     r"(?P<path>.+?):(?P<line>\d+):(?P<column>\d+): (?P<level>(?:fatal )?error|note|warning): (?P<text>.*)"
 )
 _ASSERTED = re.compile(r"static assertion failed(?: due to requirement '.*')?: (?P<words>.+)")
+_CAME_OF = re.compile("requested here|while substituting|^to match this")
 _OF_THE_LIBRARY = re.compile(
-    r"std::(?:\w*string|vector|map|set|list|deque|function|shared_ptr|unique_ptr|cout|cerr)\b|\bnew\b"
+    r"std::(?:\w*string|vector|map|set|list|deque|function|shared_ptr|unique_ptr|cout|cerr|clog|cin)\b|\bnew\b"
 )
 """What in a header needs more than headers of the C++ library."""
 
@@ -34,7 +36,7 @@ def from_compiler(output: str, header: Path, component: str) -> str:
     asserted = _ASSERTED.fullmatch(error.text)  # the same may be missed again before it is where it was missed first
     place = _of_the_user(error)
     if place is None:
-        about = re.match(r"\w+\(", asserted["words"]) if asserted else None
+        about = re.match(r"\w+(?:\(|(?= is missing))", asserted["words"]) if asserted else None
         place = line_of(header, about[0] if about else "") or _struct(header, component)
         code = "\n".join(line for _, line in code_lines(header))
         if not re.search(rf"template\s*<[^>]*>\s*struct\s+{component}\b", code):
@@ -46,8 +48,20 @@ def from_compiler(output: str, header: Path, component: str) -> str:
 
 def from_declaration(told: str, header: Path, component: str) -> str:
     """Return what a describe program refused: a text by which its line is found, a tab, and words."""
-    text, _, words = told.strip().partition("\t")
+    text, _, words = told.strip("\n").partition("\t")
     return f"{line_of(header, text) or _struct(header, component)}: {words}"
+
+
+_QUOTIENT = re.compile(r"(?:[=(,+\-{<>?:]|\breturn)\s*((\d+)\s*/\s*(\d+))(?![\w.'])")
+
+
+def truncated(header: Path) -> str | None:
+    """Return where a header divides whole numbers that do not divide, which no compiler tells: 1 / 2 is 0."""
+    for number, line in code_lines(header):
+        for whole, above, below in _QUOTIENT.findall(re.sub(r'"[^"]*"', "", line)):
+            if int(below) == 0 or int(above) % int(below):
+                return f"{Place(header, number)}: {whole} is a whole number in C++ (write {above}.0 / {below}.0)"
+    return None
 
 
 def _struct(header: Path, component: str) -> Place:
@@ -67,15 +81,16 @@ def _errors(output: str) -> Iterator[Error]:
             continue
         if error is not None:
             yield error
-        error = None if found["level"] == "warning" else Error(place, _simple(found["text"]))
+        is_warning = found["level"] == "warning" and not found["text"].startswith("missing terminating")
+        error = None if is_warning else Error(place, _simple(found["text"]))
     if error is not None:
         yield error
 
 
 def _simple(text: str) -> str:
     """Return a compiler's words with the types called as headers call them."""
-    text = re.sub(r" \(aka '[^']*'\)", "", text).replace("adcs::detail::", "").replace("adcs::", "")
-    text = re.sub(r"Lifted<(?:double|Bits)>", "T", text)
+    text = re.sub(r" \(aka '[^']*'\)| \[-W\S+\]$", "", text).replace("adcs::detail::", "").replace("adcs::", "")
+    text = re.sub(r"Lifted<(?:double|Bits)>|\b(?:Real)?Scalar\b", "T", text)
     for size, name in {"3, 1": "Vec3", "4, 1": "Quat", "3, 3": "Mat3"}.items():
         text = re.sub(rf"Eigen::Matrix<(\w+), {size}(?:, [^<>]*)?>", rf"{name}<\1>", text)
     return text
@@ -83,7 +98,7 @@ def _simple(text: str) -> str:
 
 def _of_the_user(error: Error) -> Place | None:
     """Return where a file of the user's is concerned: the error itself, or what it came of."""
-    chain = [place for place, text in error.notes if "requested here" in text]
+    chain = [place for place, text in error.notes if _CAME_OF.search(text)]
     return next((place for place in (error.place, *chain) if not _is_machinery(place.path)), None)
 
 
@@ -108,13 +123,25 @@ def _not_linked(output: str, header: Path, component: str) -> str:
     missing = [_as_written(name) for name in re.findall(r"undefined (?:hidden )?symbol: (.+)", output)]
     if not missing:
         return f"{header.name}: {shown(output.strip(), LONGEST)}"
+    own = next((found for each in missing if (found := re.match(rf"adcs::{component}<.*>::(\w+)(\()?", each))), None)
     lines = [number for number, line in code_lines(header) if _OF_THE_LIBRARY.search(line)]
     place = Place(header, lines[0]) if lines else _struct(header, component)
+    if own is not None:
+        first = next((n for n, line in code_lines(header) if re.search(rf"\b{own[1]}\b", line)), place.line)
+        return f"{Place(header, first)}: {own[1]} {_WITHOUT_A_BODY if own[2] else _WITHOUT_A_VALUE}"
+    if any(
+        re.match(r"std::.*(?:stream|std::c(?:out|err|log|in)$)|std::c(?:out|err|log|in)$", each) for each in missing
+    ):
+        return f"{place}: {NOT_PRINTED}"
     name = next((each for each in missing if "__" not in each), missing[0])  # two underscores: the library's insides
     return (
         f"{place}: it needs {shown(name, 80)}, which FMUs do without "
         "(no std::string or std::vector: arrays have a fixed size, as Eigen::Matrix<T, 5, 1>)"
     )
+
+
+_WITHOUT_A_BODY = "is a function that does nothing yet (write its body, { ... }, where it is declared)"
+_WITHOUT_A_VALUE = "is static, and all instances of a component would share it (leave `static` out)"
 
 
 def _as_written(symbol: str) -> str:

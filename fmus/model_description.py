@@ -35,7 +35,7 @@ def version() -> str:
 
 def fmi2(d: Description, source_files: Iterable[str] = ()) -> bytes:
     """FMI 2.0: one ScalarVariable for each element; the model structure counts them from 1."""
-    root = _root(d, "2.0", {"guid": d.token, "numberOfEventIndicators": d.event_indicators})
+    root = _root(d, "2.0", {"guid": d.token, "numberOfEventIndicators": sum(v.size for v in d.variables if v.is_event)})
     flags = {
         "modelIdentifier": d.name,
         "canGetAndSetFMUstate": True,
@@ -144,6 +144,7 @@ def fmi3(d: Description) -> bytes:
         "Output": _dependencies(d.variables, _is_output),
         "ContinuousStateDerivative": _dependencies(d.variables, _is_derivative),
         "InitialUnknown": _dependencies(d.variables, _is_initial_unknown, at_start=True),
+        "EventIndicator": _dependencies(d.variables, lambda v: v.is_event),
     }
     for name, rows in unknowns.items():
         whole: dict[int, set[int]] = {}

@@ -22,6 +22,9 @@ from fmus.xml import serialised
 FILE_NAMES = {"2.0": "{}.fmu", "3.0": "{}.fmi3.fmu"}
 """FMI version -> name of the FMU of a component."""
 
+LICENCE_OF_EIGEN = "MPL-2.0"
+"""As each of its headers says at its top; the metadata of `cmeel-eigen`, which brings them, is of the packaging."""
+
 _LICENCE_OVERVIEW = """\
 This FMU is part of adcs-fmus, BSD 3-clause licence, adcs-fmus.txt.
 
@@ -115,7 +118,7 @@ def licences() -> dict[str, str]:
     return {
         "license.txt": _LICENCE_OVERVIEW,
         "adcs-fmus.txt": LICENSE.read_text(encoding="utf-8"),
-        "Eigen.txt": (PACKAGE / "licenses" / "MPL-2.0.txt").read_text(encoding="utf-8"),
+        "Eigen.txt": (PACKAGE / "licenses" / f"{LICENCE_OF_EIGEN}.txt").read_text(encoding="utf-8"),
         "FMI.txt": fmi[0],
         "libcxx.txt": (lib / "libcxx" / "LICENSE.TXT").read_text(encoding="utf-8"),
         "zig.txt": (folder / "LICENSE").read_text(encoding="utf-8"),

@@ -46,6 +46,7 @@ def _fmpy() -> Path:
 
 CHECKOUT = _checkout()
 SOURCES = CHECKOUT / "src" if CHECKOUT else PACKAGE / "src"  # a wheel carries the C++ sources inside the package
+CARRIED = PACKAGE / "carried"  # what a wheel has compiled; nothing of it is in a checkout or an sdist
 LICENSE = (CHECKOUT or PACKAGE) / "LICENSE"
 BUILD = (CHECKOUT or _user_cache()) / "build"
 # site-packages may not be writable; ADCS_DIST puts the FMUs elsewhere.

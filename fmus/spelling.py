@@ -10,13 +10,18 @@ _NAMED = 6
 
 
 def close(name: str, known: Iterable[str], likeness: float = 0.5) -> str:
-    """Return the names most like it, best first, as in `a or b or c`; empty if there are none.
+    """Return the names most like it, best first, as in `a or b or c`; empty if there are none."""
+    return " or ".join(alike(name, known, likeness))
+
+
+def alike(name: str, known: Iterable[str], likeness: float = 0.5) -> list[str]:
+    """Return the names most like it, best first, three at most.
 
     Names that go on after it come before those that are only like it.
     """
     names = list(known)
     longer = [other for other in names if name and other.startswith(name)]
-    return " or ".join(list(dict.fromkeys([*longer, *get_close_matches(name[:_READ], names, 3, likeness)]))[:3])
+    return list(dict.fromkeys([*longer, *get_close_matches(name[:_READ], names, 3, likeness)]))[:3]
 
 
 def hint(name: str, known: Iterable[str], there: str = "it has") -> str:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from fmus.errors import AdcsError
 from fmus.files import digest, write_atomically
-from fmus.paths import BUILD, EIGEN, FMI_HEADERS, SOURCES
+from fmus.paths import BUILD, CARRIED, CHECKOUT, EIGEN, FMI_HEADERS, SOURCES
 
 INSTALL = "pip install 'adcs-fmus[build]'"
 """The command that brings what is needed to compile."""
@@ -67,6 +67,12 @@ LINK_FLAGS = {
 }
 
 
+def without() -> str:
+    """Say what helps where this project's components cannot be compiled; one installed from its sources has a wheel."""
+    bare = CHECKOUT is None and not CARRIED.is_dir()
+    return f"{INSTALL}, or install the wheel, which carries this project's components compiled" if bare else INSTALL
+
+
 def is_installed() -> bool:
     """Whether there is the compiler, and the library that components use."""
     return util.find_spec("ziglang") is not None and EIGEN.is_dir()
@@ -75,7 +81,7 @@ def is_installed() -> bool:
 def zig() -> Path:
     """The compiler; AdcsError if it is not installed."""
     if not is_installed():
-        raise AdcsError(f"no compiler is installed: {INSTALL}")
+        raise AdcsError(f"no compiler is installed: {without()}")
     import ziglang
 
     return Path(ziglang.__file__).parent / ("zig.exe" if os.name == "nt" else "zig")

@@ -12,6 +12,7 @@ from orchestration.entry import SystemEntry
 from orchestration.fmu.file import element_names, is_path
 from orchestration.from_python import is_python, system_from_python
 from orchestration.from_python import named as python_named
+from orchestration.results.error_angles import is_error_quaternion, turned_by
 from orchestration.results.plots import Panel, Series
 from orchestration.results.report import KeyNumber
 from orchestration.results.result import Result
@@ -95,27 +96,24 @@ def _entry(name: str, system: System, start: float, stop: float, step: float, as
 
 
 def figures(result: Result) -> Sequence[Panel]:
-    """A panel for each recorded variable, grouped by component; angles and their rates in degrees."""
-    panels = []
-    for name in result.names:
-        unit = result.unit(name)
-        shown = _IN_DEGREES.get(unit or "", unit)
-        values = np.asarray(result[name], float)
-        values = values if shown == unit else np.degrees(values)
-        component, _, variable = name.partition(".")
-        curves = values.reshape(len(result.time), -1).T[:_MOST_CURVES]
-        labels = element_names(variable, values.shape[1:])
-        series = [Series(label, result.time, curve) for label, curve in zip(labels, curves, strict=False)]
-        panels.append(
-            Panel(
-                variable,
-                f"{variable} [{shown}]" if shown else variable,
-                series,
-                note=result.description(name),
-                group=component,
-            )
-        )
-    return panels
+    """A panel for each recorded variable, grouped by component; angles, their rates and attitude errors in degrees."""
+    return [_panel(result, name) for name in result.names]
+
+
+def _panel(result: Result, name: str) -> Panel:
+    component, _, variable = name.partition(".")
+    unit, values, note = result.unit(name), np.asarray(result[name], float), result.description(name)
+    if is_error_quaternion(variable, unit, values):
+        title, label = f"{variable} as an angle", f"angle of {variable} [deg]"
+        note = "; ".join(filter(None, (note, "drawn as the angle by which it turns (scalar part first)")))
+        series = [Series("angle", result.time, np.degrees(turned_by(values)))]
+        return Panel(title, label, series, note=note, group=component)
+    shown = _IN_DEGREES.get(unit or "", unit)
+    values = values if shown == unit else np.degrees(values)
+    curves = values.reshape(len(result.time), -1).T[:_MOST_CURVES]
+    labels = element_names(variable, values.shape[1:])
+    series = [Series(label, result.time, curve) for label, curve in zip(labels, curves, strict=False)]
+    return Panel(variable, f"{variable} [{shown}]" if shown else variable, series, note=note, group=component)
 
 
 def key_numbers(result: Result) -> list[KeyNumber]:

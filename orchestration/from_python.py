@@ -9,17 +9,17 @@ from collections.abc import Callable
 from functools import partial
 from hashlib import sha256
 from importlib.util import module_from_spec, spec_from_file_location
-from inspect import Parameter, isasyncgenfunction, iscoroutinefunction, isfunction, signature
+from inspect import Parameter, isfunction
 from pathlib import Path
 from types import ModuleType
 from typing import Any, get_args
 
+from fmus.callables import unfit
 from fmus.errors import AdcsError, shown
+from fmus.nearby import instead
 from fmus.spelling import close
 from orchestration.fmu.beside import looked_for_in
 from orchestration.system import System
-
-_OPTIONAL = (Parameter.VAR_POSITIONAL, Parameter.VAR_KEYWORD)
 
 
 def is_python(name: str) -> bool:
@@ -37,7 +37,7 @@ def system_from_python(name: str) -> System:
     """Return the system; AdcsError in one line if there is none, or not one alone, or the file fails."""
     path, wanted = named(name)
     if not path.is_file():
-        raise AdcsError(f"{path} is no file")
+        raise AdcsError(f"{path} is no file{instead(path)}")
     folder = str(path.absolute().parent)
     sys.path.insert(0, folder)  # for what the file imports from beside itself
     before, written = set(sys.modules), sys.dont_write_bytecode
@@ -120,14 +120,7 @@ def _is_own(value: Any, module: ModuleType) -> bool:
 
 
 def _why_not(function: Callable[..., Any]) -> str:
-    """Say why a function cannot be one that makes a system, in words that follow its name; empty if it can."""
-    if iscoroutinefunction(function) or isasyncgenfunction(function):
-        return "is async, and nobody awaits it: write def, without async"
-    parameters = signature(function).parameters.values()
-    needed = [p.name for p in parameters if p.default is Parameter.empty and p.kind not in _OPTIONAL]
-    if needed:
-        return f"needs {' and '.join(needed)}: write a function without arguments that returns an adcs.System"
-    return ""
+    return unfit(function, "an adcs.System")
 
 
 def _says(function: Callable[..., Any]) -> bool | None:

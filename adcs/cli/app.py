@@ -14,6 +14,7 @@ from cyclopts import App, CycloptsError
 from adcs.cli import slips
 from adcs.cli.command import command
 from fmus.errors import AdcsError
+from fmus.nearby import instead
 
 _FILES = {
     "build": "build",
@@ -52,8 +53,8 @@ def _summary(file: str) -> str:
 def _commands(*, listed: bool = False) -> App:
     """All commands, none of them loaded; `listed` is for a list of them all, with their summaries."""
     made = command("adcs")
-    made.help = "Spacecraft attitude control as native FMI components: build them, wire them, run them."
-    made.version = metadata.version("adcs-fmus")
+    about = metadata.metadata("adcs-fmus")  # of pyproject.toml
+    made.help, made.version = f"{about['Summary']}.", about["Version"]
     for name, file in _FILES.items():  # a help that is given here is all that the command's own `--help` would say
         made.command(f"{__package__}.{file}:app", name=name, **({"help": _summary(file)} if listed else {}))
     made.register_install_completion_command(name="--install-completion")
@@ -94,5 +95,5 @@ def main() -> None:
     except OSError as error:  # a folder that is none, a disk that is full
         if error.filename is None:
             raise
-        print(f"adcs: {error.filename}: {error.strerror}", file=sys.stderr)
+        print(f"adcs: {error.filename}: {error.strerror}{instead(error.filename)}", file=sys.stderr)
         sys.exit(2 if isinstance(error, FileNotFoundError) else 1)

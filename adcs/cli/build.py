@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from adcs.cli.command import at_work, command
-from adcs.cli.printing import ERR, OUT, Json, print_json
+from adcs.cli.printing import OUT, Json, print_json
+from adcs.cli.progress import progress
 from fmus.build import build
 from fmus.built import fmus_of
 from fmus.catalog import Component, components, meant
@@ -43,7 +44,7 @@ def build_command(
 
 def _built(names: list[str], all_platforms: bool, quiet: bool) -> list[Path]:
     columns = (TextColumn("{task.description:<44}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=ERR, transient=True, disable=quiet) as bar:
+    with progress(*columns, quiet=quiet) as bar:
         task = bar.add_task("compiling", total=None)
 
         def show(done: int, total: int, what: str) -> None:

@@ -24,13 +24,19 @@ app = command(
     "adcs check RigidBody",
     "adcs check observer-pd",
     "adcs check path/to/some.fmu",
+    "adcs check my_law.hpp laws",
     takes="[FMUS...]",
 )
 
 
 @app.default
 def check_command(
-    *fmus: Annotated[str, Parameter(help="Components, systems, .fmu or .ssp files; all built components if left out.")],
+    *fmus: Annotated[
+        str,
+        Parameter(
+            help="Components, headers, systems, .fmu or .ssp files, or folders; all built components if left out."
+        ),
+    ],
     as_json: Json = False,
 ) -> None:
     """Check FMUs: standard, layout, binaries, what validators miss, and what a run refuses. Exit code 1 for faults.

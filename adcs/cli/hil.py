@@ -13,7 +13,7 @@ from rich.console import Console
 
 from adcs.cli.command import Epoch, Speed, Time, Whole, at_work, command, group
 from adcs.cli.options import Report, Steps, SystemName, Which
-from adcs.cli.showing import as_json, exit_code, progress, show, write_files, write_report
+from adcs.cli.showing import as_json, exit_code, run_progress, show, write_files, write_report
 from fmus.errors import AdcsError
 from hil_bridge.frames import FrameName
 from hil_bridge.hil.actuators import Actuators
@@ -115,7 +115,7 @@ def hil(
                 "wiring": asdict(wiring),
                 "effect": effect.effect.tolist(),
             }
-            with progress() as bar:
+            with run_progress() as bar:
                 task = bar.add_task(entry.name, total=1.0)
                 try:
                     result = fly(

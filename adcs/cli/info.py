@@ -9,12 +9,11 @@ from types import MappingProxyType
 from typing import Annotated, Any
 
 from cyclopts import Parameter
-from rich.markup import escape
 
 from adcs.catalogue import find_component, find_system, names_system
-from adcs.cli.columns import show
+from adcs.cli.columns import say, show
 from adcs.cli.command import at_work, command
-from adcs.cli.printing import ERR, OUT, Json, print_json
+from adcs.cli.printing import ERR, Json, print_json
 from fmus.build import describe
 from fmus.catalog import Component
 from fmus.demand import fmu_path, ready_made
@@ -36,7 +35,7 @@ def info(
     as_json: Json = False,
 ) -> None:
     """Show the variables of a component or FMU with units and start values, or the components of a system."""
-    path = ready_made(name) or Path(name)
+    path = (None if names_system(name) else ready_made(name)) or Path(name)
     if path.suffix == ".fmu":
         facts = _fmu(open_fmu(path))
     elif is_ssp(name):
@@ -65,7 +64,7 @@ def _show_component(component: Component, as_json: bool) -> None:
         return
     _head(description.name, description.description, f" ({component.kind})")
     if description.reference:
-        OUT.print(description.reference, style="dim", markup=False, highlight=False, soft_wrap=True)
+        say(description.reference, style="dim")
     variables = [v for v in description.variables if v.causality != "independent"]
     show(
         ["Variable", "Kind", "Size", "Unit", "Start"],
@@ -78,8 +77,7 @@ def _show_component(component: Component, as_json: bool) -> None:
 
 
 def _head(name: str, description: str, kind: str = "") -> None:
-    text = f"[bold]{escape(name)}[/bold]{kind}: {escape(description)}"
-    OUT.print(text, highlight=False, soft_wrap=True)
+    say(": ".join(filter(None, (f"{name}{kind}", description))), bold=len(name))
 
 
 def _kind(causality: str, variability: str | None) -> str:
@@ -171,23 +169,23 @@ def _parts(
 def _show_facts(facts: dict[str, Any]) -> None:
     _head(facts["name"], facts["description"])
     if "components" in facts:
-        print(
+        say(
             (f"SSP {facts['ssp_version']}, " if "ssp_version" in facts else "")
             + f"{len(facts['components'])} components, {len(facts['connections'])} connections"
         )
         if len(facts.get("structures", ())) > 1:
             others = ", ".join(name for name in facts["structures"] if name != facts["structure"])
-            print(f"of {facts['structure']}; there is also {others}, which FILE.ssp#NAME.ssd chooses")
+            say(f"of {facts['structure']}; there is also {others}, which FILE.ssp#NAME.ssd chooses")
         times = {"start": facts["start_time"], "stop": facts["stop_time"], "step": facts["step"]}
         if any(time is not None for time in times.values()):
-            print(", ".join(f"{name} {time:g} s" for name, time in times.items() if time is not None))
+            say(", ".join(f"{name} {time:g} s" for name, time in times.items() if time is not None))
         parts = facts["components"]
         rows = [[c["name"], c["fmu"], c["fmi_version"]] for c in parts]
         show(["Component", "FMU", "FMI"], rows, [c["description"] for c in parts])
         if facts["connections"]:
             show(["From", "To"], facts["connections"])
         return
-    print(
+    say(
         f"FMI {facts['fmi_version']}, {' and '.join(facts['interfaces'])}, "
         f"for {', '.join(facts['platforms']) or 'no platform'}"
         + (f"; made by {facts['generation_tool']}" if facts["generation_tool"] else "")

@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from adcs.catalogue import descriptions
 from adcs.cli.columns import show
 from adcs.cli.command import command
 from adcs.cli.printing import Json, print_json
+from adcs.listed import descriptions
 from fmus import catalog
 from fmus.built import built
 from fmus.catalog import Component
 from fmus.errors import AdcsError
-from fmus.packages import warn_once
-from orchestration.fmu.file import open_fmu
+from fmus.packages import told, told_by_code, warn_once
 
 app = command("list", "adcs list", "adcs list --json")
 
@@ -22,10 +21,11 @@ app = command("list", "adcs list", "adcs list --json")
 @app.default
 def list_command(*, as_json: Json = False) -> None:
     """List the components and the systems made of them."""
-    theirs = catalog.brought()
+    theirs = catalog.brought(run_code=False)
     components = [*catalog.components(), *_of_headers(c.header for c in theirs.values() if c.header)]
     there = {c.name: {version: str(path) for version, path in built(c).items()} for c in components}
     ready = {c.name: _of_fmus(c.fmus) for c in theirs.values() if not c.header}
+    ready |= {point.name: ({}, f"more components: {told(point)}") for point in told_by_code()}
     listed = [{"name": name, "description": text} for name, text in descriptions().items()]
     if as_json:
         entries = [
@@ -56,6 +56,8 @@ def _of_headers(headers: Iterable[Path]) -> Iterator[Component]:
 
 def _of_fmus(paths: Iterable[Path]) -> tuple[dict[str, str], str]:
     """Return FMUs without headers by their versions of FMI, and what they are; or why they cannot be read."""
+    from orchestration.fmu.file import open_fmu  # which takes longer to load than the rest of this command
+
     try:
         models = {path: open_fmu(path).model for path in paths}
     except AdcsError as error:

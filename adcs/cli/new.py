@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import asdict
 from pathlib import Path
 from string import Template
 from typing import Annotated
@@ -10,6 +11,7 @@ from typing import Annotated
 from cyclopts import Parameter
 from rich.console import Console
 
+from adcs.cli.beginnings import BEGINNINGS
 from adcs.cli.command import command
 from fmus.catalog import FILE_NAME, Kind, struct_name
 from fmus.errors import AdcsError
@@ -22,7 +24,7 @@ _HEADER = Template("""\
 ///
 /// What it computes, and where that is from. Equations stand between dollar signs:
 ///
-/// $$\\tau = -k\\,\\omega$$
+/// $equation
 #pragma once
 
 #include "fmi/declaration.hpp"
@@ -32,23 +34,11 @@ namespace adcs {
 template <class T>
 struct $name {
     static constexpr auto kind = "$kind";
-    static constexpr auto summary = "Torque against the angular velocity";
+    static constexpr auto summary = "$summary";
     static constexpr auto reference = "";  // author, title, equation
 
     // The values given here are the start values.
-    Vec3<T> omega_BN_B{0.0, 0.0, 0.0};
-    T k = 1.0;
-    Vec3<T> torque_B{0.0, 0.0, 0.0};
-
-    template <class V>
-    void declare(V& v) {
-        v.input("omega_BN_B", omega_BN_B, unit::rad_per_s, "angular velocity of B relative to N, in B").nominal(0.1);
-        v.parameter("k", k, unit::N_m_s, "gain").above(0);
-        v.output("torque_B", torque_B, unit::N_m, "commanded torque, in B");
-    }
-
-    void outputs() { torque_B = -k * omega_BN_B; }
-};
+$struct};
 
 }  // namespace adcs
 """)
@@ -69,18 +59,19 @@ def test_nothing_is_wrong_with_its_fmus():
     assert adcs.check(HEADER) == []
 
 
-def test_it_computes_what_it_should():
-    omega_BN_B, k = np.array([0.1, -0.2, 0.3]), 2.0
+def run(values):
     system = adcs.System("alone", stop_time="1s", step="500ms")
-    system.add("law", HEADER, {"omega_BN_B": omega_BN_B, "k": k})
-    result = adcs.run(system)
-    np.testing.assert_allclose(result["law.torque_B"][-1], -k * omega_BN_B, rtol=1e-15)
-''')
+    system.add("law", HEADER, values)
+    return adcs.run(system)
+
+
+def test_it_computes_what_it_should():
+$test''')
 
 _README = Template("""\
 # $title
 
-A $kind as an FMI component.
+An FMI component of the kind "$kind".
 
     adcs build $file.hpp     # $name.fmu and $name.fmi3.fmu, for any tool; --all-platforms for others than this
     adcs check $file.hpp     # what is wrong with them
@@ -103,7 +94,9 @@ def new(
     if not re.fullmatch(FILE_NAME, name):
         raise AdcsError(f"{name!r} is no name for a file: small letters, digits and underscores, as in my_law")
     title = name.replace("_", " ").capitalize()
-    words = {"file": name, "name": struct_name(name), "kind": kind, "title": title}
+    law = BEGINNINGS[kind]
+    words = {"file": name, "name": struct_name(name), "kind": kind, "title": title, **asdict(law)}
+    words["equation"] = f"$${law.equation}$$"
     files = {f"{name}.hpp": _HEADER, f"test_{name}.py": _TEST, "README.md": _README}
     make_folder(to, f"--to {to}")
     if (to / "README.md").exists():  # of something else, or of another component

@@ -14,6 +14,7 @@ from rich.console import Console
 
 from adcs.cli.command import command
 from fmus.errors import AdcsError
+from fmus.nearby import instead
 
 _PAGE = "report.html"
 
@@ -27,7 +28,7 @@ def open_command(
     """Say which page shows a run, and open it in the browser where there is a desktop."""
     page = _newest() if folder is None else folder / _PAGE
     if not page.is_file():
-        raise AdcsError(f"{page} does not exist: give the folder of a run's results")
+        raise AdcsError(f"{page} does not exist{instead(page)}: give the folder of a run's results")
     shown = has_desktop(os.environ, sys.platform) and webbrowser.open(page.resolve().as_uri())
     text = f"{page} is opened in the browser" if shown else f"open {page} in a browser"
     Console().print(text, markup=False, highlight=False, soft_wrap=True)

@@ -14,6 +14,7 @@ from adcs.cli.command import at_work, command
 from adcs.cli.run_files import kept_in
 from adcs.cli.showing import as_json, show, write_files, write_report
 from fmus.errors import AdcsError, Failed
+from fmus.nearby import instead
 from orchestration.isolation import journal
 from orchestration.isolation.death import Found, found
 from orchestration.isolation.folder import MANIFEST, ResultsFolder
@@ -37,6 +38,8 @@ def recover(
     """
     if folder.is_file():
         raise AdcsError(f"{folder} is a file: give the folder of the results, {folder.parent}")
+    if not folder.exists():
+        raise AdcsError(f"there is no folder {folder}{instead(folder)}")
     with ResultsFolder(folder) as results, nullcontext() if ended_with is None else at_work():
         if not results.journal.exists():
             raise AdcsError(

@@ -11,8 +11,9 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from adcs.cli.command import Time, at_work, command
-from adcs.cli.showing import RESULT_FILES, progress, write_files
+from adcs.cli.showing import RESULT_FILES, run_progress, write_files
 from fmus.errors import AdcsError
+from fmus.nearby import instead
 from orchestration.isolation.folder import MANIFEST, new_results
 from orchestration.process import endings
 from orchestration.results.result import RunInterrupted
@@ -44,8 +45,8 @@ def rerun(
     """
     beside = manifest if manifest.is_dir() else manifest.parent
     if not (beside / MANIFEST).is_file() and not manifest.is_file():
-        raise AdcsError(f"{manifest}: there is no {MANIFEST}: give that of a run, or its folder")
-    with new_results(out or beside, force) as results, endings.heard(), progress() as bar:
+        raise AdcsError(f"{manifest}: there is no {MANIFEST}{instead(manifest)}: give that of a run, or its folder")
+    with new_results(out or beside, force) as results, endings.heard(), run_progress() as bar:
         task = bar.add_task(str(manifest), total=1.0)
         try:
             again = run_again(

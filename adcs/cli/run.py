@@ -12,7 +12,7 @@ from adcs.cli import ground_tools as ground
 from adcs.cli.command import command, given
 from adcs.cli.options import During, Results, Solving, Streaming, SystemName, Times, Which
 from adcs.cli.run_files import RunFiles
-from adcs.cli.showing import Format, as_json, command_line, exit_code, progress, show, write_report
+from adcs.cli.showing import Format, as_json, command_line, exit_code, run_progress, show, write_report
 from fmus.errors import AdcsError
 from orchestration.from_file import from_anywhere
 from orchestration.isolation import supervised
@@ -87,7 +87,7 @@ def run(
             folder, formats, {**about, "command": command_line()}, solving.timeout, supervised.printed
         ) as run_files,
         attached,
-        progress() as bar,
+        run_progress() as bar,
     ):
         task = bar.add_task(entry.name, total=1.0)
         stopped: RunFailed | RunInterrupted | None = None

@@ -15,6 +15,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from adcs.cli.progress import progress
 from orchestration.entry import SystemEntry
 from orchestration.process import endings
 from orchestration.results import plots, report
@@ -28,11 +29,9 @@ RESULT_FILES: dict[Format, str] = {"csv": "result.csv", "mat": "result.mat", "hd
 """The name of a result's file of each kind."""
 
 
-def progress() -> Progress:
-    """Progress on the standard error, where someone may look at it."""
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    console = Console(stderr=True)
-    return Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
+def run_progress() -> Progress:
+    """Progress of a run, with the time that remains."""
+    return progress(TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
 
 
 def write_files(result: Result, folder: Path, formats: Sequence[Format]) -> list[Path]:

@@ -11,11 +11,12 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table as RichTable
 
 from adcs.catalogue import STUDIES
 from adcs.cli.command import at_work, command
+from adcs.cli.progress import progress
 from adcs.library.entry import StudyEntry
 from adcs.library.outcome import Outcome, Row, as_json, manifest_of, write_csv
 from fmus.errors import AdcsError
@@ -51,19 +52,12 @@ def study(
     if entry is None:
         raise AdcsError(f"no study {name!r}: {hint(name, STUDIES, 'choose one of')}")
     choices = with_changes(entry.choices(), set_)
-    progress = Progress(
-        TextColumn("{task.description:<44}"),
-        BarColumn(),
-        TaskProgressColumn(),
-        TimeElapsedColumn(),
-        console=Console(stderr=True),
-        transient=True,
-    )
+    bar = progress(TextColumn("{task.description:<44}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
     # The folder is refused now, rather than after a minute of work.
-    with new_results(out or Path("results") / f"study-{name}", force) as results, progress, at_work():
-        task = progress.add_task(entry.name, total=1.0)
-        outcome, runs = entry.run(choices, lambda done, text: progress.update(task, completed=done, description=text))
-        progress.update(task, completed=1.0, description="writing the report")
+    with new_results(out or Path("results") / f"study-{name}", force) as results, bar, at_work():
+        task = bar.add_task(entry.name, total=1.0)
+        outcome, runs = entry.run(choices, lambda done, text: bar.update(task, completed=done, description=text))
+        bar.update(task, completed=1.0, description="writing the report")
         command = " ".join(["adcs study", name, *(f"--set {change}" for change in set_)])
         page = write_files(results.given, entry, outcome, manifest_of(choices, runs), command)
         complete = [{"run": label, **manifest} for label, manifest in runs]

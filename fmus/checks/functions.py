@@ -19,6 +19,14 @@ FUNCTIONS = frozenset(
 )
 """Those that IEEE 754 does not round exactly, or that compilers may fuse. sqrt, abs, floor and ceil are exact."""
 
+_ARGUMENTS = {
+    **dict.fromkeys(("pow", "hypot", "fmod", "min", "max", "copysign"), "x, y"),
+    "atan2": "y, x",
+    "clamp": "x, low, high",
+    "select": "condition, a, b",
+}
+"""Of those that take another number of them than one."""
+
 _CALL = re.compile(
     rf"\b(std::(?:{'|'.join(sorted(FUNCTIONS))}))\b|(?<![\w:])(::(?:{'|'.join(sorted(FUNCTIONS))}))\s*\("
 )
@@ -39,8 +47,13 @@ def bare(function: str) -> str:
 def advice(function: str) -> str:
     """Say what is wrong with calling one, and the way out."""
     name = bare(function)
-    way = f"write {name}(x)" if name in offered() else f"express it by {', '.join(offered())}"
+    way = f"write {usage(name)}" if name in offered() else f"express it by {', '.join(offered())}"
     return f"{function}, which rounds differently on each platform ({way})"
+
+
+def usage(name: str) -> str:
+    """Show how a law calls one of `offered()`."""
+    return f"{name}({_ARGUMENTS.get(name, 'x')})"
 
 
 @cache

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fmus.errors import AdcsError
+from fmus.nearby import instead
 from orchestration.system import System
 
 
@@ -129,7 +130,8 @@ def _read(path: Path, roles: dict[str, str], shown: dict[str, str]) -> None:
         with path.open("rb") as file:
             content = tomllib.load(file)
     except OSError as error:
-        raise AdcsError(f"--map {path}: expected ROLE=COMPONENT.VARIABLE or a TOML file ({error.strerror})") from None
+        why = f"{error.strerror}{instead(path)}"
+        raise AdcsError(f"--map {path}: expected ROLE=COMPONENT.VARIABLE or a TOML file ({why})") from None
     except (ValueError, RecursionError) as error:  # no TOML, no UTF-8, a path with NUL, brackets without end
         raise AdcsError(f"{' '.join(str(path).split())}: {' '.join(str(error).split())}") from None
     for table, into in (("roles", roles), ("shown", shown)):

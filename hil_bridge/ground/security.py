@@ -14,6 +14,7 @@ from typing import Any
 from pymavlink.dialects.v20 import common as mavlink
 
 from fmus.errors import AdcsError
+from fmus.nearby import instead
 from orchestration.process.format import refuse_other_version
 
 _FORMAT = "adcs-signing-1"  # of the file where times are kept
@@ -85,7 +86,7 @@ class Keyring:
         try:
             text = path.read_text(encoding="utf-8").strip()
         except OSError as error:
-            raise AdcsError(f"cannot read the signing key {path}: {error.strerror}") from None
+            raise AdcsError(f"cannot read the signing key {path}: {error.strerror}{instead(path)}") from None
         except UnicodeDecodeError:
             raise AdcsError(f"the signing key {path} is no text: expected 64 hexadecimal digits, or any text") from None
         if not text:

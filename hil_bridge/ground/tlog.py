@@ -11,6 +11,7 @@ from types import TracebackType
 from pymavlink.dialects.v20 import common as mavlink
 
 from fmus.errors import AdcsError
+from fmus.nearby import instead
 from hil_bridge.wire import microseconds
 from orchestration.process.writing import make_folder
 
@@ -78,7 +79,7 @@ def read(path: Path) -> Iterator[tuple[float, bytes]]:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise AdcsError(f"cannot read {path}: {error.strerror}") from None
+        raise AdcsError(f"cannot read {path}: {error.strerror}{instead(path)}") from None
     place = 0
     while place + 8 + 12 <= len(data):
         start = place + 8

@@ -22,6 +22,7 @@ from fmus.archive import LARGEST_XML, Archive
 from fmus.catalog import find, is_header
 from fmus.demand import fmu_path, ready_made, warn_if_old
 from fmus.errors import AdcsError, Unsupported, shown
+from fmus.nearby import not_opened
 from fmus.readable import read_model
 from fmus.references import unresolved
 from fmus.versions import major_version, newer_minor
@@ -311,7 +312,7 @@ def open_fmu(path: Path) -> Fmu:
     try:
         stat = path.stat()
     except OSError as error:
-        raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
+        raise not_opened(path, error) from error
     try:
         return _open(path.resolve(), stat.st_mtime_ns, stat.st_size)
     except AdcsError as error:
@@ -356,7 +357,7 @@ def _open(path: Path, modified: int, size: int) -> Fmu:
     except ValidationError as error:
         raise AdcsError(f"{path} is not valid: {_one_line(error.problems[0])}") from error
     except OSError as error:
-        raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
+        raise not_opened(path, error) from error
     except ValueError as error:
         raise AdcsError(f"{path} is not valid: {_one_line(error)}") from error
     except Exception as error:  # what fmpy lets out, and what is wrong in a way that no check here has thought of

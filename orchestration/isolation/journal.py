@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 
 from fmus.errors import AdcsError, Failed, shown
+from fmus.nearby import not_opened
 from orchestration.fmu.file import Port
 from orchestration.grid import Grid
 from orchestration.plan.lowering import Floats
@@ -270,7 +271,7 @@ def read(path: Path) -> Kept:
         size = path.stat().st_size
         content = np.memmap(path, np.uint8, "r") if size else np.empty(0, np.uint8)
     except OSError as error:
-        raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
+        raise not_opened(path, error) from error
     magic = content[:16].tobytes()
     said = magic.partition(b"\n")[0].decode("ascii", "replace")
     refuse_other_version(path, "a journal", said, _FORMAT, "recover it with the adcs-fmus that wrote it")

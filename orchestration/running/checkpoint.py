@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from fmus.archive import Archive
 from fmus.errors import AdcsError, shown
+from fmus.nearby import not_opened
 from orchestration.process.format import refuse_other_version
 from orchestration.process.writing import replacing
 from orchestration.running.method import Method
@@ -52,7 +53,7 @@ class Checkpoint:
             about = json.loads(arrays.pop("about").tobytes())
             said, k = about.pop("format"), about.pop("k", None)
         except OSError as error:
-            raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
+            raise not_opened(path, error) from error
         except AdcsError as error:
             if str(error).startswith("cannot open"):
                 raise

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from fmus.errors import AdcsError, shown
+from fmus.nearby import instead
 from orchestration import expected
 from orchestration.fmu.file import is_path, locate, open_fmu
 from orchestration.process.temporary import temporary_folder
@@ -92,7 +93,8 @@ def _read(given: str | Path) -> tuple[Path, Mapping[str, Any]]:
     try:
         manifest = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise AdcsError(f"{path}: {error.strerror}: give the manifest.json of a run, or its folder") from error
+        why = f"{error.strerror}{instead(path)}"
+        raise AdcsError(f"{path}: {why}: give the manifest.json of a run, or its folder") from error
     except ValueError as error:
         raise AdcsError(f"{path} is no manifest: give the manifest.json of a run, or its folder") from error
     if not isinstance(manifest, dict) or not manifest.keys() >= _NEEDED:

@@ -9,6 +9,7 @@
 
 #include "attitude/quaternion.hpp"
 #include "fmi/clocks.hpp"
+#include "fmi/events.hpp"
 #include "fmi/units.hpp"
 
 namespace adcs {
@@ -17,7 +18,7 @@ namespace adcs {
 enum class Type : std::uint8_t { float64, int32, boolean, enumeration, string };
 enum class Causality : std::uint8_t { independent, parameter, input, output, local };
 enum class Variability : std::uint8_t { fixed, tunable, discrete, continuous };
-enum class Role : std::uint8_t { plain, state, derivative, held, seed };
+enum class Role : std::uint8_t { plain, state, derivative, held, seed, event };
 /// A condition on a variable as a whole, beyond bounds of its elements; what each means is said in conditions.hpp.
 enum class Kind : std::uint8_t {
     any,
@@ -47,6 +48,7 @@ struct Variable {
     double max = std::numeric_limits<double>::infinity();
     double nominal = 1.0;
     int clock = -1;                      ///< between whose instants an output is held; -1: none
+    bool wakes = false;                  ///< a time at which events() is called
     const char* wrong = nullptr;         ///< what was said of it that does not fit it
     const char* const* items = nullptr;  ///< of an enumeration: the names of 0, 1, 2, ...
     std::uint32_t n_items = 0;
@@ -73,6 +75,7 @@ struct Table {
     std::uint32_t next_vr = 0;
     std::uint8_t owner[scalar_capacity];  ///< FMI 2 value reference -> index in variables
     int clocks = 0;
+    int events = 0;  ///< event functions
     bool overflow = false;
 
     const Variable* begin() const { return variables; }
@@ -105,6 +108,12 @@ public:
         if (v_.role != Role::held) v_.wrong = " is not held: only v.held(...) has .output()";
         return v_.causality = Causality::output, *this;
     }
+    /// When time comes to what is held, events() is called; `never` is none.
+    Refine& wakes() {
+        if (v_.role != Role::held || v_.size != 1 || v_.type != Type::float64)
+            v_.wrong = " is no held time: only a scalar v.held(...) has .wakes()";
+        return v_.wakes = true, *this;
+    }
     /// outputs() computes this output at the instants of a clock only, and it is held in between; where the clock's period
     /// is 0, at every instant.
     Refine& sampled(int clock = 0) {
@@ -120,7 +129,7 @@ private:
 
 /// What is declared without a unit: it takes one value after another, and has no derivative.
 template <class X>
-using Discrete = std::enable_if_t<std::is_same_v<X, bool> || std::is_same_v<X, std::int32_t>>;
+using WithoutUnit = std::enable_if_t<std::is_same_v<X, bool> || std::is_same_v<X, std::int32_t>>;
 
 /// The visitor handed to declare() of a component of scalar type T.
 template <class T>
@@ -135,7 +144,7 @@ public:
     Refine input(const char* name, X& x, const Unit& unit, const char* description) {
         return add(name, x, unit, description, Causality::input, Variability::continuous);
     }
-    template <class X, class = Discrete<X>>
+    template <class X, class = WithoutUnit<X>>
     Refine input(const char* name, X& x, const char* description) {
         return add(name, x, description, Causality::input, Variability::discrete);
     }
@@ -146,7 +155,7 @@ public:
     Refine output(const char* name, X& x, const Unit& unit, const char* description) {
         return add(name, x, unit, description, Causality::output, Variability::continuous);
     }
-    template <class X, class = Discrete<X>>
+    template <class X, class = WithoutUnit<X>>
     Refine output(const char* name, X& x, const char* description) {
         return add(name, x, description, Causality::output, Variability::discrete);
     }
@@ -163,7 +172,7 @@ public:
     Refine parameter(const char* name, X& x, const Unit& unit, const char* description) {
         return add(name, x, unit, description, Causality::parameter, Variability::tunable);
     }
-    template <class X, class = Discrete<X>>
+    template <class X, class = WithoutUnit<X>>
     Refine parameter(const char* name, X& x, const char* description) {
         return add(name, x, description, Causality::parameter, Variability::tunable);
     }
@@ -183,8 +192,7 @@ public:
         const int index = table_.count;
         Refine refine = output(name, x, unit, description);
         table_.variables[index].role = Role::state;
-        const Unit& per_second = unit.per_second != nullptr ? *unit.per_second : unit;  // which describe.cpp refuses
-        add(name, derivative, per_second, description, Causality::local, Variability::continuous);
+        add(name, derivative, unit, description, Causality::local, Variability::continuous);  // per second: unit_of.hpp
         Variable& rate = table_.variables[table_.count - 1];
         rate.role = Role::derivative;
         rate.derivative_of = index;
@@ -196,12 +204,19 @@ public:
         table_.overflow = table_.overflow || table_.clocks == Clocks::capacity;
         ++table_.clocks;
     }
-    /// Set by sample() only, and held in between.
+    /// An event function, set by outputs(): where it becomes positive, or is no longer, events() is called, at the very time.
+    void event(const char* name, T& x, const Unit& unit, const char* description) {
+        table_.overflow = table_.overflow || table_.events == Events::capacity;
+        ++table_.events;
+        add(name, x, unit, description, Causality::local, Variability::continuous);
+        table_.variables[table_.count - 1].role = Role::event;
+    }
+    /// Set by sample() and events() only, and held in between.
     template <class X>
     Refine held(const char* name, X& x, const Unit& unit, const char* description) {
         return hold(add(name, x, unit, description, Causality::local, Variability::discrete));
     }
-    template <class X, class = Discrete<X>>
+    template <class X, class = WithoutUnit<X>>
     Refine held(const char* name, X& x, const char* description) {
         return hold(add(name, x, description, Causality::local, Variability::discrete));
     }
@@ -243,7 +258,8 @@ private:
     /// Of what can be no variable; an exact match above goes before it.
     template <class X>
     Refine add(const char* name, X&, const Unit& unit, const char* description, Causality c, Variability v) {
-        static_assert(!std::is_const_v<X>, "declare() is const, so its variables are, too (leave `const` out)");
+        static_assert(!std::is_const_v<X>,
+                      "a variable is const, or declare() is, and all of them with it (leave `const` out)");
         if constexpr (std::is_base_of_v<Eigen::EigenBase<X>, X>) {
             static_assert(std::is_same_v<typename Eigen::internal::traits<X>::Scalar, T>,
                           "a vector or matrix of another type than T carries no derivatives (write Vec3<T>, Quat<T>, "

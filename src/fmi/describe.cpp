@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 
 #include "fmi/conditions.hpp"
@@ -114,7 +115,7 @@ bool depends(const Bits& unknown, const Variable& known, std::uint32_t e, bool a
 
 /// Per element the value references it depends on: of time, inputs, continuous states and parameters.
 void print_dependencies(const Table& table, const Dependencies& found, const Variable& v, bool at_initialization) {
-    if ((v.causality != Causality::output && v.role != Role::derivative) ||
+    if ((v.causality != Causality::output && v.role != Role::derivative && v.role != Role::event) ||
         (at_initialization && v.role == Role::state)) {
         std::printf("null");
         return;
@@ -148,8 +149,9 @@ void print_variable(const Table& table, const Dependencies& found, const Depende
     print_field("causality", causality(v));
     print_field("variability", variability(v));
     print_field("initial", initial(v));
-    print_field("unit", v.type == Type::float64 ? v.unit->name : nullptr);
-    print_field("display_unit", v.unit->display);
+    const UnitOf unit(v);
+    print_field("unit", v.type == Type::float64 ? unit->name : nullptr);
+    print_field("display_unit", unit->display);
     print_key("start");
     print_start(v);
     print_field("min", std::fmax(v.above, v.min));
@@ -160,6 +162,8 @@ void print_variable(const Table& table, const Dependencies& found, const Depende
     print_field("nominal", v.nominal == 1.0 ? std::nan("") : v.nominal);
     std::snprintf(text, sizeof text, "time derivative of %s", v.name);
     print_field("description", is_derivative ? text : v.description);
+    print_key("is_event");
+    std::printf(v.role == Role::event ? "true" : "false");
     print_key("is_seed");
     std::printf(v.role == Role::seed ? "true" : "false");
     print_field("derivative_of", is_derivative ? table.variables[v.derivative_of].vr : std::nan(""));
@@ -171,8 +175,9 @@ void print_variable(const Table& table, const Dependencies& found, const Depende
 }
 
 void print_unit(const Unit& u) {
-    constexpr const char* bases[] = {"kg", "m", "s", "A", "rad"};
-    const int exponents[] = {u.kg, u.m, u.s, u.A, u.rad};
+    constexpr const char* bases[] = {"kg", "m", "s", "A", "K", "rad"};
+    const Dimension& d = u.dimension;
+    const int exponents[] = {d.kg, d.m, d.s, d.A, d.K, d.rad};
     std::printf("{\"name\": ");
     print_text(u.name);
     print_key("exponents");
@@ -183,7 +188,8 @@ void print_unit(const Unit& u) {
         separator = ", ";
     }
     std::printf(*separator == '{' ? "{}" : "}");
-    std::printf(", \"factor\": 1.0, \"offset\": 0.0");
+    print_field("factor", d.factor);
+    std::printf(", \"offset\": 0.0");
     print_key("display");
     print_list(u.display != nullptr ? 1 : 0, [&](std::size_t) {
         std::printf("{\"name\": ");
@@ -194,13 +200,26 @@ void print_unit(const Unit& u) {
     std::putchar('}');
 }
 
+/// The first variable with a unit of this name.
+const Variable& first_with(const Table& table, const char* unit) {
+    const Variable* v = table.begin();
+    while (v->type != Type::float64 || std::strcmp(UnitOf(*v)->name, unit) != 0) ++v;
+    return *v;
+}
+
 /// Whether no variable before v has its unit.
 bool introduces_unit(const Table& table, const Variable& v) {
-    if (v.type != Type::float64) return false;
-    for (const Variable* earlier = table.begin(); earlier != &v; ++earlier) {
-        if (earlier->type == Type::float64 && earlier->unit == v.unit) return false;
-    }
-    return true;
+    return v.type == Type::float64 && &first_with(table, UnitOf(v)->name) == &v;
+}
+
+bool is_same(const char* a, const char* b) {
+    return a == b || (a != nullptr && b != nullptr && std::strcmp(a, b) == 0);
+}
+
+bool is_same(const Unit& a, const Unit& b) {
+    const Dimension &x = a.dimension, &y = b.dimension;
+    return x.kg == y.kg && x.m == y.m && x.s == y.s && x.A == y.A && x.K == y.K && x.rad == y.rad &&
+           x.factor == y.factor && is_same(a.display, b.display) && a.display_factor == b.display_factor;
 }
 
 bool refuse(const Variable& v, const char* before, const char* after) {
@@ -226,6 +245,8 @@ bool is_name(const char* name) {
 bool are_names_right(const Table& table) {
     for (const Variable& v : table) {
         if (v.role == Role::derivative) continue;  // goes by the state's name
+        if (!(v.nominal > 0.0))
+            return refuse(v, "the nominal value of ", " has to be above 0 (how large it usually is)");
         if (!is_name(v.name)) return refuse(v, "'", "' is no name of a variable (letters, digits and underscores)");
         for (const Variable* earlier = table.begin(); earlier != &v; ++earlier) {
             if (earlier->role != Role::derivative && std::strcmp(v.name, earlier->name) == 0)
@@ -250,12 +271,26 @@ bool are_items_right(const Variable& v) {
            refuse(v, "", " starts at a number that none of its items has (the first is 0)");
 }
 
+bool are_units_right(const Table& table) {
+    for (const Variable& v : table) {
+        if (v.type != Type::float64) continue;
+        const UnitOf unit(v);
+        if (!unit->dimension.known)
+            return refuse(v, "the unit of ", " has a name of unknown symbols (say its exponents beside it)");
+        if (!is_same(*unit, *UnitOf(first_with(table, unit->name))))
+            return refuse(v, "the unit of ", " has the name of another one (give it a name of its own)");
+    }
+    return true;
+}
+
 /// Whether outputs() sets it.
-bool is_of_outputs(const Variable& v) { return v.role == Role::plain && v.causality == Causality::output; }
+bool is_of_outputs(const Variable& v) {
+    return (v.role == Role::plain && v.causality == Causality::output) || v.role == Role::event;
+}
 
 /// Whether each kind of variable has the function that sets it.
 bool are_functions_there(const Table& table, const Functions& has) {
-    bool outputs = false, states = false, samples = has.sample;
+    bool outputs = false, states = false, samples = has.sample, events = false;
     for (const Variable& v : table) {
         if (v.wrong != nullptr) return refuse(v, "", v.wrong);
         if (v.type != Type::float64 && v.kind != Kind::any)
@@ -267,19 +302,23 @@ bool are_functions_there(const Table& table, const Functions& has) {
         outputs = outputs || v.causality == Causality::output;
         states = states || v.role == Role::state;
         if (is_of_outputs(v) && !has.outputs) return refuse(v, "nothing sets the output ", " (write void outputs())");
-        if (v.role == Role::held && !has.sample)
+        if (v.role == Role::held && !has.sample && !has.events)
             return refuse(v, "nothing sets ", ", which is held (write void sample(const Sample& s))");
+        if ((v.role == Role::event || v.wakes) && !has.events)
+            return refuse(v, "nothing happens at ", " (write void events(const Events& e))");
+        events = events || v.role == Role::event || v.wakes;
         if (v.role != Role::state) continue;
         if (!has.derivatives && !has.outputs)
             return refuse(v, "nothing sets the derivative of ", " (write void derivatives())");
-        if (v.unit->per_second == nullptr)
-            return refuse(v, "the unit of the state ", " has none for its derivative (a Unit of your own names one)");
     }
     if (has.sample && table.clocks == 0)
         return refuse("sample(", "sample() is called at times that nothing says (v.sampled(period) in declare())");
     if (table.clocks != 0 && !samples)
         return refuse("sampled(",
                       "nothing is sampled at its times (void sample(const Sample& s), or an output with .sampled())");
+    if (has.events && !events)
+        return refuse("events(",
+                      "events() is called at nothing (v.event(...) in declare(), or a held time with .wakes())");
     if (!outputs && !states) return refuse("declare(", "it declares no output (v.output(...) in declare())");
     if (!states && has.derivatives)
         return refuse("derivatives()", "derivatives() has no state to be of (v.state(...) in declare())");
@@ -293,6 +332,46 @@ constexpr std::uint64_t unset_bits = 0x7ff8'5e70'0000'0000;
 constexpr std::int32_t unset_integer = -0x5e70'0000;
 constexpr unsigned char unset_bool = 0x5e;
 const char* const unset_text = "unset";
+
+/// The function that runs.
+const char* running = "";
+double before[Table::scalar_capacity];  // room for values of all types
+
+/// Prints by what the function that runs is found, and its name: "void outputs(", "outputs()".
+void begin_line() {
+    const int length = static_cast<int>(std::strcspn(running, ")"));
+    if (length > 0) std::fprintf(stderr, "void %.*s", length, running);
+    std::fprintf(stderr, "\t%s ", length > 0 ? running : "it");
+}
+
+/// What a variable is called if the function that runs may not set it; nullptr if it may.
+const char* only_read(const Variable& v) {
+    const bool events = std::strcmp(running, "events()") == 0;
+    if (v.role == Role::state) return events ? nullptr : "the state ";
+    if (v.role == Role::held) return events || std::strcmp(running, "sample()") == 0 ? nullptr : "the held ";
+    switch (v.causality) {
+        case Causality::independent:
+            return "the ";
+        case Causality::parameter:
+            return "the parameter ";
+        case Causality::input:
+            return "the input ";
+        default:
+            return nullptr;
+    }
+}
+
+/// Where the values of a variable are kept, and how many bytes they are.
+struct Kept {
+    explicit Kept(const Variable& v) : before(::before + v.vr), bytes(v.size * size_of(v.type)) {}
+    static std::size_t size_of(Type type) {
+        constexpr std::size_t sizes[] = {sizeof(double), sizeof(std::int32_t), sizeof(bool), sizeof(std::int32_t),
+                                         sizeof(const char*)};
+        return sizes[static_cast<int>(type)];
+    }
+    void* before;
+    std::size_t bytes;
+};
 
 bool is_set(const Variable& v) {
     switch (v.type) {
@@ -336,11 +415,95 @@ void unset(const Variable& v) {
 
 bool adcs::is_declared_right(const Table& table, const Functions& has) {
     if (table.overflow) {
-        std::fprintf(stderr, "declare(\ttoo many: at most %d variables with %u elements, and %d clocks, are possible\n",
-                     Table::capacity, Table::scalar_capacity, Clocks::capacity);
+        std::fprintf(stderr,
+                     "declare(\ttoo many: at most %d variables with %u elements, %d clocks and %d event functions are "
+                     "possible\n",
+                     Table::capacity, Table::scalar_capacity, Clocks::capacity, Events::capacity);
         return false;
     }
-    return are_names_right(table) && are_functions_there(table, has);
+    return are_names_right(table) && are_units_right(table) && are_functions_there(table, has);
+}
+
+bool adcs::are_start_values_right(const Table& table) {
+    for (const Variable& v : table) {
+        if (v.type != Type::float64 || !has_start(v)) continue;
+        char fault[256];
+        for (std::uint32_t e = 0; e < v.size; ++e) {
+            const double x = static_cast<const double*>(v.data)[e];
+            if (!std::isfinite(x))
+                return refuse(v, "", " has no start value (write one behind its name, as in Vec3<T> x{0.0, 0.0, 0.0})");
+            const bool above = x > v.above, in = x >= v.min && x <= v.max;
+            if (above && in) continue;
+            std::snprintf(fault, sizeof fault,
+                          " starts at %g, which is not %s %g (it starts at what is behind its name)", x,
+                          !above      ? "above"
+                          : x < v.min ? "at least"
+                                      : "at most",
+                          !above      ? v.above
+                          : x < v.min ? v.min
+                                      : v.max);
+            return refuse(v, "", fault);
+        }
+        if (!meets_condition(v, fault, sizeof fault)) {
+            std::fprintf(stderr, "\"%s\"\t%s (it starts at what is behind its name)\n", v.name, fault);
+            return false;
+        }
+    }
+    return true;
+}
+
+void adcs::enter(const char* function, const Table& table) {
+    running = function;
+    for (const Variable& v : table) std::memcpy(Kept(v).before, v.data, Kept(v).bytes);
+}
+
+bool adcs::is_kept(const Table& table) {
+    for (const Variable& v : table) {
+        if (only_read(v) == nullptr || std::memcmp(Kept(v).before, v.data, Kept(v).bytes) == 0) continue;
+        begin_line();
+        std::fprintf(stderr, "changes %s%s (compute into a variable of its own, as in const Vec3<T> x = ...)\n",
+                     only_read(v), v.name);
+        return false;
+    }
+    return true;
+}
+
+bool adcs::is_repeated(const Table& table) {
+    for (const Variable& v : table) {
+        if ((!is_of_outputs(v) && v.role != Role::derivative) ||
+            std::memcmp(Kept(v).before, v.data, Kept(v).bytes) == 0)
+            continue;
+        begin_line();
+        std::fprintf(stderr, "gives another %s%s when it is called again (what keeps a value is a v.state or v.held)\n",
+                     v.role == Role::derivative ? "derivative of " : "", v.name);
+        return false;
+    }
+    return true;
+}
+
+void adcs::shift(const Table& table) {
+    for (const Variable& v : table) {
+        if (v.type != Type::float64 || only_read(v) == nullptr) continue;
+        for (std::uint32_t e = 0; e < v.size; ++e) static_cast<double*>(v.data)[e] += 0.001;
+    }
+}
+
+void adcs::refuse_call(const char* expected, const char* where) {
+    int rows = 0, columns = 0;
+    const char* of = std::strstr(where, "Derived = Eigen::Matrix<");
+    if (of != nullptr) of = std::strchr(of, ',');
+    const bool known = of != nullptr && std::sscanf(of, ", %d, %d", &rows, &columns) == 2;
+    begin_line();
+    if (std::strstr(where, "CommaInitializer") != nullptr || std::strstr(expected, "list_size") != nullptr) {
+        std::fprintf(stderr, "puts another number of elements into a vector or matrix than it has\n");
+    } else if (known && std::strstr(expected, ">= 0") != nullptr) {
+        std::fprintf(stderr, "takes an element that a %s of %d", columns == 1 ? "vector" : "matrix", rows);
+        if (columns != 1) std::fprintf(stderr, " x %d", columns);
+        std::fprintf(stderr, " does not have (they are counted from 0)\n");
+    } else {
+        std::fprintf(stderr, "asks Eigen for what it cannot do: it expects %s\n", expected);
+    }
+    std::_Exit(declares_wrong);
 }
 
 void adcs::unset(const Table& table) {
@@ -384,7 +547,6 @@ void adcs::print(const Description& description) {
     std::uint32_t states = 0;
     for (const Variable& v : table) states += v.role == Role::state ? v.size : 0;
     print_field("states", states);
-    print_field("event_indicators", 0.0);
     print_key("log_categories");
     print_list(std::size(log_categories), [](std::size_t i) {
         std::printf("{\"name\": ");
@@ -397,7 +559,7 @@ void adcs::print(const Description& description) {
     for (const Variable& v : table) {
         if (!introduces_unit(table, v)) continue;
         std::printf("%s", separator);
-        print_unit(*v.unit);
+        print_unit(*UnitOf(v));
         separator = ",\n ";
     }
     std::putchar(']');

@@ -21,21 +21,34 @@ void print(const Description& description);
 
 /// What sets the variables of a component.
 struct Functions {
-    bool outputs, derivatives, sample;
+    bool outputs, derivatives, sample, events;
 };
 
 /// The exit code for a mistake in the header. What is printed then is a text by which its line is found, a tab, and words.
 constexpr int declares_wrong = 2;
 
-/// These print what is wrong and return false. The last two are asked after what is to be set was unset, and the
+/// These print what is wrong and return false. The last two of them are asked after what is to be set was unset, and the
 /// function in question called.
 bool is_declared_right(const Table& table, const Functions& has);
+bool are_start_values_right(const Table& table);
 bool are_outputs_set(const Table& table);
 bool are_derivatives_set(const Table& table);
 
 /// Gives outputs and derivatives values that no law computes. Where one stays, or comes of it, what a run gives depends
 /// on what was called before.
 void unset(const Table& table);
+
+/// Before a function of the component is called: its name as the header has it, and what the variables are that it may
+/// not set. is_kept() is asked after it.
+void enter(const char* function, const Table& table);
+bool is_kept(const Table& table);
+
+/// Whether outputs and derivatives are as they were before: asked after functions were called once more, which may not
+/// depend on how often that is done.
+bool is_repeated(const Table& table);
+
+/// Moves what the law is a function of a little away from the start values: what is multiplied shows where it is not 0.
+void shift(const Table& table);
 
 /// Prints the description of a component, or what is wrong with it; returns what main() does.
 template <template <class> class C>
@@ -46,16 +59,30 @@ int describe(const char* name) {
     detail::Ignore model;  // stands for the other visitors of declare(), which a model has
     component.component.declare(model);
     constexpr Functions has{detail::has_outputs<C<double>>, detail::has_derivatives<C<double>>,
-                            detail::has_sample<C<double>>};
-    if (!is_declared_right(table, has)) return declares_wrong;
-    component.sample(all_due(component.clocks(), 0, true));
-    unset(table);
-    component.outputs(0);
-    if (!are_outputs_set(table)) return declares_wrong;
-    component.derivatives();
-    if (!are_derivatives_set(table)) return declares_wrong;
-
-    component.reset();
+                            detail::has_sample<C<double>>, detail::has_events<C<double>>};
+    if (!is_declared_right(table, has) || !are_start_values_right(table)) return declares_wrong;
+    for (const bool shifted : {false, true}) {
+        if (shifted) shift(table);
+        enter("sample()", table);
+        component.sample(all_due(component.clocks(), 0, true));
+        if (!is_kept(table)) return declares_wrong;
+        unset(table);
+        enter("outputs()", table);
+        component.outputs(0);
+        if (!is_kept(table) || !are_outputs_set(table)) return declares_wrong;
+        enter("derivatives()", table);
+        component.derivatives();
+        if (!is_kept(table) || !are_derivatives_set(table)) return declares_wrong;
+        enter(has.outputs ? "outputs()" : "derivatives()", table);
+        component.outputs(0);
+        component.derivatives();
+        if (!is_repeated(table)) return declares_wrong;
+        enter("events()", table);
+        component.events({0, true});
+        if (!is_kept(table)) return declares_wrong;
+        component.reset();
+    }
+    enter("", table);
     const Tracer<C> traced;
     print({name, C<double>::summary, C<double>::reference, detail::is_differentiable<C<double>>, table,
            traced.dependencies, traced.at_start});

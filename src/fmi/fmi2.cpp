@@ -170,15 +170,14 @@ fmi2Status fmi2EnterEventMode(fmi2Component c) {
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo* info) {
     return call(c, mode_event, Interface::model_exchange, __func__, [&](Instance& instance, const char* function) {
         if (!given(instance, function, info)) return Status::error;
-        bool defined = false;
-        double next = 0.0;
-        const Status status = instance.update_discrete_states(&defined, &next);
+        Discrete discrete;
+        const Status status = instance.update_discrete_states(discrete);
         info->newDiscreteStatesNeeded = fmi2False;
         info->terminateSimulation = fmi2False;
         info->nominalsOfContinuousStatesChanged = fmi2False;
-        info->valuesOfContinuousStatesChanged = fmi2False;
-        info->nextEventTimeDefined = defined ? fmi2True : fmi2False;
-        info->nextEventTime = next;
+        info->valuesOfContinuousStatesChanged = discrete.states_changed ? fmi2True : fmi2False;
+        info->nextEventTimeDefined = discrete.next_event_defined ? fmi2True : fmi2False;
+        info->nextEventTime = discrete.next_event;
         return status;
     });
 }
@@ -206,10 +205,9 @@ fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t n)
     return call(c, mode_readable, Interface::model_exchange, __func__,
                 [&](Instance& instance) { return instance.get_derivatives(derivatives, n); });
 }
-fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real[], size_t n) {
-    return call(c, mode_readable, Interface::model_exchange, __func__, [&](Instance& instance, const char* function) {
-        return n == 0 ? Status::ok : instance.error("%s: there are none", function);
-    });
+fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real indicators[], size_t n) {
+    return call(c, mode_readable, Interface::model_exchange, __func__,
+                [&](Instance& instance) { return instance.get_event_indicators(indicators, n); });
 }
 fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t n) {
     return call(c, mode_readable, Interface::model_exchange, __func__,

@@ -242,12 +242,12 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance i, fmi3Boolean* needs_update, f
                    next_event)) {
             return Status::error;
         }
-        bool defined = false;
-        double next = 0.0;
-        const Status status = instance.update_discrete_states(&defined, &next);
-        *needs_update = *terminate = *nominals_changed = *values_changed = fmi3False;
-        *next_event_defined = defined;
-        *next_event = next;
+        Discrete discrete;
+        const Status status = instance.update_discrete_states(discrete);
+        *needs_update = *terminate = *nominals_changed = fmi3False;
+        *values_changed = discrete.states_changed;
+        *next_event_defined = discrete.next_event_defined;
+        *next_event = discrete.next_event;
         return status;
     });
 }
@@ -275,10 +275,9 @@ fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance i, fmi3Float64 derivat
     return call(i, mode_readable, Interface::model_exchange, __func__,
                 [&](Instance& instance) { return instance.get_derivatives(derivatives, n); });
 }
-fmi3Status fmi3GetEventIndicators(fmi3Instance i, fmi3Float64[], size_t n) {
-    return call(i, mode_readable, Interface::model_exchange, __func__, [&](Instance& instance, const char* function) {
-        return n == 0 ? Status::ok : instance.error("%s: there are none", function);
-    });
+fmi3Status fmi3GetEventIndicators(fmi3Instance i, fmi3Float64 indicators[], size_t n) {
+    return call(i, mode_readable, Interface::model_exchange, __func__,
+                [&](Instance& instance) { return instance.get_event_indicators(indicators, n); });
 }
 fmi3Status fmi3GetContinuousStates(fmi3Instance i, fmi3Float64 x[], size_t n) {
     return call(i, mode_readable, Interface::model_exchange, __func__,
@@ -291,7 +290,7 @@ fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance i, fmi3Float64 nominal
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance i, size_t* n) {
     return call(i, mode_any, __func__, [&](Instance& instance, const char* function) {
         if (!given(instance, function, n)) return Status::error;
-        *n = 0;
+        *n = instance.event_indicators();
         return Status::ok;
     });
 }

@@ -106,6 +106,8 @@ Instance::Instance(const char* name, Interface interface, const Log& log, Model*
         has_texts_ = has_texts_ || v.type == Type::string;
         if (v.causality == Causality::input && v.kind != Kind::any) ++n_checked_inputs_;
         if (v.role == Role::state && v.kind == Kind::unit_quaternion) ++n_unit_states_;
+        if (v.role == Role::event) ++n_events_;
+        if (v.wakes) ++n_wakes_;
     }
     n_scalars_ = table().next_vr;
     clocks_ = Clocks(table().clocks);
@@ -120,6 +122,9 @@ Instance::Instance(const char* name, Interface interface, const Log& log, Model*
         size = 0;
         cut(scalars_, n_scalars_);
         cut(directional_, 2 * std::size_t{n_scalars_});
+        cut(events_, n_events_);
+        cut(wakes_, n_wakes_);
+        cut(settled_states_, reacts() ? n_states_ : 0);
         cut(held_, n_held_);
         cut(before_, n_states_);
         cut(checked_inputs_, n_checked_inputs_);
@@ -133,7 +138,7 @@ Instance::Instance(const char* name, Interface interface, const Log& log, Model*
     if (memory_ == nullptr) return;
     cut_all();
 
-    std::size_t state = 0, rate = 0, output = 0, checked_input = 0, unit_state = 0;
+    std::size_t state = 0, rate = 0, output = 0, checked_input = 0, unit_state = 0, event = 0, wake = 0;
     for (const Variable& v : table()) {
         const bool computed = v.causality == Causality::output || v.causality == Causality::local;
         const bool input = v.causality == Causality::input, parameter = v.causality == Causality::parameter;
@@ -142,6 +147,8 @@ Instance::Instance(const char* name, Interface interface, const Log& log, Model*
         if (input && v.kind != Kind::any) checked_inputs_[checked_input++] = &v;
         if (v.role == Role::state && v.kind == Kind::unit_quaternion) unit_states_[unit_state++] = {&v, state};
         const bool is_float = v.type == Type::float64;
+        if (v.role == Role::event) events_[event++] = floats(v);
+        if (v.wakes) wakes_[wake++] = floats(v);
         const bool bounded = std::isfinite(v.above) || std::isfinite(v.min) || std::isfinite(v.max);
         const bool plain = input && is_float && !bounded;
         const unsigned traits = trait_of(v.type) | (computed ? trait_computed : 0U) |
@@ -254,6 +261,7 @@ Status Instance::setup(bool stop_defined, double start, double stop) {
 Status Instance::enter_initialization() {
     mode_ = mode_initialization;
     parameters_checked_ = outputs_fresh_ = derivatives_fresh_ = false;
+    settled_time_ = time_;
     event("initialization at t = %g", time_);
     return Status::ok;
 }
@@ -331,7 +339,9 @@ Status Instance::reset() {
     model_->reset();
     mode_ = mode_instantiated;
     stop_time_ = 0.0;
-    stop_defined_ = spin_reported_ = false;
+    stop_defined_ = spin_reported_ = settled_ = states_changed_ = false;
+    settled_time_ = 0.0;
+    settled_signs_ = signs_ = 0;
     clocks_ = Clocks(table().clocks);
     sampling_ = 0;
     copy_held(held_, true);
@@ -568,7 +578,8 @@ Status Instance::finite_held() {
     const auto concerned = [](const Variable& v) { return v.role == Role::held; };
     double zero = 0.0;
     for (const Variable& v : table()) {
-        for (std::uint32_t e = 0; concerned(v) && e < v.size; ++e) zero += 0.0 * number_of<double>(v, e);
+        if (v.type != Type::float64 || !concerned(v)) continue;
+        for (std::uint32_t e = 0; e < v.size; ++e) zero += 0.0 * floats(v)[e];
     }
     return zero == 0.0 ? are_items(concerned) : not_finite("sampled", concerned);
 }
@@ -589,14 +600,17 @@ Status Instance::are_items(bool (*concerned)(const Variable&)) {
 Status Instance::evaluate() {
     if (outputs_fresh_) return Status::ok;
     if (Status status = check(); status != Status::ok) return status;
+    const bool pending = at_sample() || happens_now();
+    if (pending) undo();
     if (at_sample()) {
         if (Status status = take_samples(); status != Status::ok) return status;
     }
-    model_->outputs(holding());
     derivatives_fresh_ = false;
-    const Status status = finite_outputs();
+    model_->outputs(holding());
+    Status status = finite_outputs();
+    if (status == Status::ok && happens_now()) status = react();
     outputs_fresh_ = status == Status::ok;
-    if (!outputs_fresh_ && at_sample()) copy_held(held_, false);
+    if (pending && !outputs_fresh_) undo();
     return status;
 }
 
@@ -629,8 +643,14 @@ void Instance::write_states(const double* x) {
 }
 
 // ------------------------------------------------------------------------------------------------------- samples
-// A sample taken at a communication point is tentative: the importer may still set inputs there and read the
-// outputs again. It is repeated from the values held before, and counts once time moves on.
+// A sample taken at a communication point is tentative, and so is what happens at an event: the importer may still set
+// inputs there and read the outputs again. It is repeated from what was before, and counts once time moves on.
+
+void Instance::undo() {
+    copy_held(held_, false);
+    if (states_changed_) write_states(settled_states_);
+    states_changed_ = false;
+}
 
 void Instance::copy_held(double* held, bool store) {
     for (const Variable& v : table()) {
@@ -652,18 +672,21 @@ void Instance::copy_held(double* held, bool store) {
 
 /// Samples that give no finite values leave the values held before.
 Status Instance::take_samples() {
-    copy_held(held_, false);
     model_->sample(clocks_);
     const Status status = finite_held();
-    if (status != Status::ok) copy_held(held_, false);
+    if (status != Status::ok) undo();
     return status;
 }
 
-/// The outputs belong to the samples.
-void Instance::commit_samples() {
+/// What was evaluated counts: samples and events, and the outputs that belong to them.
+void Instance::commit() {
     clocks_.each_due([this](const Sample& s) { event("sample %lld at t = %g", static_cast<long long>(s.k), time_); });
     copy_held(held_, true);
     clocks_.advance();
+    settled_time_ = time_;
+    settled_signs_ = signs_;
+    settled_ = true;
+    states_changed_ = false;
 }
 
 // ------------------------------------------------------------------------------------------------- Co-Simulation
@@ -677,17 +700,25 @@ void Instance::normalise_states() {
     }
 }
 
-/// Classical Runge-Kutta of order 4 in equal steps not longer than max_internal_step, quaternions renormalised. Stops
-/// before an internal step after which a state were not finite.
+/// One step of the classical Runge-Kutta method of order 4, after which quaternions are normalised.
+Status Instance::step_within(double begin, double h) {
+    model_->integrate(begin, h, sampling_, before_);
+    normalise_states();
+    return finite_states_after(begin, h);
+}
+
+/// Equal steps not longer than max_internal_step. Stops before one after which a state were not finite, and where an event
+/// function has changed its sign.
 Status Instance::integrate(double from, double to) {
     if (n_states_ != 0 && to > from) {
         const double ratio = (to - from) / *max_internal_step_ - 1e-9;
         const double steps = ratio > 1.0 ? std::ceil(ratio) : 1.0;
         const double h = (to - from) / steps;
         for (double i = 0.0; i < steps; ++i) {
-            model_->integrate(from + i * h, h, sampling_, before_);
-            normalise_states();
-            if (Status status = finite_states_after(from + i * h, h); status != Status::ok) return status;
+            if (Status status = step_within(from + i * h, h); status != Status::ok) return status;
+            if (n_events_ == 0) continue;
+            bool crossed = false;
+            if (Status status = locate(from + i * h, h, crossed); status != Status::ok || crossed) return status;
         }
         move_to(to);
         watch_spin(h);
@@ -695,6 +726,13 @@ Status Instance::integrate(double from, double to) {
         move_to(to);
     }
     return Status::ok;
+}
+
+Status Instance::finite_states(const char* way_out) {
+    double zero = 0.0;
+    for (std::size_t i = 0; i < n_states_; ++i) zero += 0.0 * *states_[i].x;
+    return zero == 0.0 ? Status::ok
+                       : not_finite("state", [](const Variable& v) { return v.role == Role::state; }, way_out);
 }
 
 Status Instance::finite_states_after(double begin, double h) {
@@ -755,17 +793,21 @@ Status Instance::do_step(double time, double step) {
     }
     if (Status status = check(); status != Status::ok) return status;
     if (Status status = fits_budget(time, end); status != Status::ok) return status;
-    for (double from = time;;) {
-        if (at_sample()) {
+    double from = time;
+    for (std::size_t events = 0; events < most_events;) {
+        if (at_sample() || reacts()) {
             if (Status status = evaluate(); status != Status::ok) return status;
-            commit_samples();
+            commit();
         }
-        const double to = clocks_.earliest_before(end);
-        if (Status status = integrate(from, to); status != Status::ok) return status;
-        clocks_.look_at(to);
-        if (to == end) return Status::ok;
-        from = to;
+        const double to = std::fmin(clocks_.earliest_before(end), next_wake(from));
+        if (Status status = integrate(from, std::fmin(to, end)); status != Status::ok) return status;
+        clocks_.look_at(time_);
+        if (time_ == end) return Status::ok;
+        from = time_;
+        if (!at_sample()) ++events;
     }
+    return error("%zu events from t = %g to t = %g: what events() sets changes back and forth", most_events, time,
+                 time_);
 }
 
 // ------------------------------------------------------------------------------------------------ Model Exchange
@@ -785,6 +827,7 @@ Status Instance::set_states(const double* values, std::size_t n) {
                           values[i]);
     }
     write_states(values);
+    states_changed_ = false;
     return Status::ok;
 }
 
@@ -817,20 +860,28 @@ Status Instance::get_nominals(double* values, std::size_t n) {
 Status Instance::enter_event_mode() {
     mode_ = mode_event;
     clocks_.look_at(time_);
-    outputs_fresh_ = outputs_fresh_ && !at_sample();
+    outputs_fresh_ = outputs_fresh_ && !at_sample() && !reacts();
     return Status::ok;
 }
 
-Status Instance::update_discrete_states(bool* next_event_defined, double* next_event) {
+Status Instance::update_discrete_states(Discrete& discrete) {
     if (Status status = evaluate(); status != Status::ok) return status;
-    *next_event_defined = clocks_.running() != 0;
-    *next_event = *next_event_defined ? clocks_.upcoming() : 0.0;
+    const double next = std::fmin(clocks_.upcoming(), next_wake(time_));
+    discrete = {states_changed_, std::isfinite(next), std::isfinite(next) ? next : 0.0};
+    return Status::ok;
+}
+
+Status Instance::get_event_indicators(double* values, std::size_t n) {
+    if (n != n_events_) return error("%zu event indicators asked for, there are %zu", n, n_events_);
+    if (n != 0 && values == nullptr) return null_pointer("get event indicators");
+    if (Status status = evaluate(); status != Status::ok) return status;
+    for (std::size_t i = 0; i < n_events_; ++i) values[i] = *events_[i];
     return Status::ok;
 }
 
 Status Instance::enter_continuous_time() {
     if (Status status = evaluate(); status != Status::ok) return status;
-    if (at_sample()) commit_samples();
+    if (at_sample() || reacts()) commit();
     mode_ = mode_continuous;
     return Status::ok;
 }

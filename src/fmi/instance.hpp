@@ -63,6 +63,15 @@ inline constexpr LogCategory log_categories[] = {
     {"logEvents", "mode changes and samples"},
 };
 
+/// What an importer of Model Exchange is told of an event.
+struct Discrete {
+    bool states_changed = false, next_event_defined = false;
+    double next_event = 0.0;
+};
+
+/// Events in one doStep: so many are a component that switches back and forth.
+inline constexpr std::size_t most_events = 1000000;
+
 /// Internal steps, and samples, that one doStep takes at most: minutes of computing. More is a mistake in a unit, or a
 /// step that will never end.
 inline constexpr double step_budget = 1e8;
@@ -115,7 +124,9 @@ public:
     Status get_derivatives(double* values, std::size_t n);
     Status get_nominals(double* values, std::size_t n);
     Status enter_event_mode();
-    Status update_discrete_states(bool* next_event_defined, double* next_event);
+    Status update_discrete_states(Discrete& discrete);
+    std::size_t event_indicators() const { return n_events_; }
+    Status get_event_indicators(double* values, std::size_t n);
     Status enter_continuous_time();
 
     // Saved states, saved_state.cpp. They are bytes that another instance of the same component can read, and are the
@@ -214,12 +225,23 @@ private:
     Status resolves(const Clock& clock, double time);
     Status fits_budget(double from, double to);
     const char* period_name(const Clock& clock) const;
+    // Events, events.cpp
+    bool reacts() const { return n_events_ + n_wakes_ != 0; }
+    bool happens_now() const { return reacts() && mode_ != mode_continuous; }
+    Status react();
+    bool is_due(const Events& e) const;
+    void undo();
+    unsigned signs() const;
+    unsigned event_bits() const { return n_events_ == 32 ? ~0U : (1U << n_events_) - 1U; }
+    Status locate(double begin, double h, bool& crossed);
+    double next_wake(double time) const;
     bool at_sample() const { return clocks_.due() != 0; }
     unsigned holding() const { return sampling_ & ~clocks_.due(); }
     Status take_samples();
-    void commit_samples();
+    void commit();
     void copy_held(double* held, bool store);
     Status integrate(double from, double to);
+    Status step_within(double begin, double h);
     void watch_spin(double h);
     void report_spin(std::size_t i, double change, double h);
     void normalise_states();
@@ -231,6 +253,7 @@ private:
     Status finite_outputs();
     Status finite_held();
     Status are_items(bool (*concerned)(const Variable&));
+    Status finite_states(const char* way_out);
     /// The error for the first value that is not finite among the variables concerned; `way_out` may be empty.
     Status not_finite(const char* what, bool (*concerned)(const Variable&), const char* way_out = "");
 
@@ -248,6 +271,7 @@ private:
     char token_[40]{};
     std::size_t n_states_ = 0, n_outputs_ = 0, n_held_ = 0, n_checked_inputs_ = 0, n_unit_states_ = 0;
     bool has_enumerations_ = false, has_texts_ = false;
+    std::size_t n_events_ = 0, n_wakes_ = 0;
     // One block of memory, cut up in the constructor; where things are, so that the loop need not search the table.
     void* memory_ = nullptr;
     Scalar* scalars_;  ///< by FMI 2 value reference
@@ -257,19 +281,27 @@ private:
     const double** outputs_;
     const Variable** checked_inputs_;  ///< inputs with a condition on the whole of them
     UnitState* unit_states_;
-    double* held_;        ///< held values before the pending sample
-    double* before_;      ///< states at the start of the latest internal step
-    std::byte* backup_;   ///< scratch of restore()
-    double* clock_time_;  ///< time as the component sees it
+    const double** events_;   ///< event functions
+    const double** wakes_;    ///< held times at which something happens
+    double* settled_states_;  ///< states before the pending event
+    double* held_;            ///< held values before the pending sample
+    double* before_;          ///< states at the start of the latest internal step
+    std::byte* backup_;       ///< scratch of restore()
+    double* clock_time_;      ///< time as the component sees it
     const double* max_internal_step_ = nullptr;
 
     Mode mode_ = mode_instantiated;
     double time_ = 0.0;
     double stop_time_ = 0.0;
     bool stop_defined_ = false;
-    Clocks clocks_;               ///< samples that are due count once time moves on
-    unsigned sampling_ = 0;       ///< the clocks that run and between whose instants outputs are held
-    bool outputs_fresh_ = false;  ///< outputs belong to the present time, states and inputs
+    Clocks clocks_;                ///< samples that are due count once time moves on
+    double settled_time_ = 0.0;    ///< when something happened for good, and
+    unsigned settled_signs_ = 0;   ///< the event functions that were positive then, as bits
+    unsigned signs_ = 0;           ///< those that are now
+    bool settled_ = false;         ///< what happens at the start of the run has happened
+    bool states_changed_ = false;  ///< by the pending event
+    unsigned sampling_ = 0;        ///< the clocks that run and between whose instants outputs are held
+    bool outputs_fresh_ = false;   ///< outputs belong to the present time, states and inputs
     bool derivatives_fresh_ = false;
     bool parameters_checked_ = false;
     bool inputs_checked_ = false;

@@ -39,6 +39,9 @@ public:
     virtual void integrate(double time, double h, unsigned holding, double* before) = 0;
     /// Sets what is declared as held, by the samples that are due.
     virtual void sample(const Clocks& clocks) = 0;
+    /// Sets what is declared as held, and states, by how things are at an event; outputs() has been called before.
+    virtual void events(const Events& e) = 0;
+    virtual bool has_events() const = 0;
     /// Periods and offsets as the parameters are now.
     virtual Clocks clocks() = 0;
     /// nullptr, or what is wrong with the parameters.
@@ -73,6 +76,7 @@ struct AsItIs {
     Self& positive_definite() { return self(); }
     Self& positive_semidefinite() { return self(); }
     Self& output() { return self(); }
+    Self& wakes() { return self(); }
     Self& sampled(int = 0) { return self(); }
 
 private:
@@ -87,6 +91,8 @@ struct Ignore {
     void time(Any&&...) {}
     template <class... Any>
     void sampled(Any&&...) {}
+    template <class... Any>
+    void event(Any&&...) {}
     template <class... Any>
     Refine input(Any&&...) {
         return {};
@@ -263,6 +269,9 @@ public:
     void sample([[maybe_unused]] const Clocks& clocks) {
         if constexpr (has_sample<C<T>>) clocks.each_due([this](const Sample& s) { component.sample(s); });
     }
+    void events([[maybe_unused]] const Events& e) {
+        if constexpr (has_events<C<T>>) component.events(e);
+    }
     Clocks clocks() {
         ReadClocks<T> read;
         component.declare(read);
@@ -333,6 +342,8 @@ public:
         bound_.integrate(time, h, holding, before);
     }
     void sample(const Clocks& clocks) override { bound_.sample(clocks); }
+    void events(const Events& e) override { bound_.events(e); }
+    bool has_events() const override { return detail::has_events<C<double>>; }
     Clocks clocks() override { return bound_.clocks(); }
     const char* validate() const override {
         if constexpr (detail::has_validate<C<double>>) {

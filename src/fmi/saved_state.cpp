@@ -50,7 +50,9 @@ bool same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 }  // namespace
 
-std::size_t Instance::state_size() const { return sizeof(SavedHeader) + (table().next_vr + n_held_) * sizeof(double); }
+std::size_t Instance::state_size() const {
+    return sizeof(SavedHeader) + (table().next_vr + n_held_ + (reacts() ? n_states_ : 0)) * sizeof(double);
+}
 
 void Instance::save(std::byte* bytes) const {
     SavedHeader header{};
@@ -60,6 +62,11 @@ void Instance::save(std::byte* bytes) const {
     std::memcpy(header.token, token_, sizeof token_);
     header.time = time_;
     header.stop_time = stop_time_;
+    header.settled_time = settled_time_;
+    header.settled_signs = settled_signs_;
+    header.signs = signs_;
+    header.settled = settled_ ? 1 : 0;
+    header.states_changed = states_changed_ ? 1 : 0;
     for (int i = 0; i < clocks_.count(); ++i) header.clocks[i] = clocks_[i];
     header.mode = mode_;
     header.interface = static_cast<std::uint8_t>(interface_);
@@ -77,6 +84,7 @@ void Instance::save(std::byte* bytes) const {
         }
     }
     std::memcpy(at, held_, n_held_ * sizeof(double));
+    if (reacts()) std::memcpy(at + n_held_ * sizeof(double), settled_states_, n_states_ * sizeof(double));
     std::memcpy(bytes, &header, sizeof header);
     header.checksum = saved_checksum(bytes, state_size());
     std::memcpy(bytes, &header, sizeof header);
@@ -88,6 +96,11 @@ void Instance::load(const std::byte* bytes) {
     std::memcpy(&header, bytes, sizeof header);
     time_ = header.time;
     stop_time_ = header.stop_time;
+    settled_time_ = header.settled_time;
+    settled_signs_ = header.settled_signs;
+    signs_ = header.signs;
+    settled_ = header.settled != 0;
+    states_changed_ = header.states_changed != 0;
     for (int i = 0; i < clocks_.count(); ++i) clocks_[i] = header.clocks[i];
     clocks_.set_due(header.due);
     note_what_holds();
@@ -101,7 +114,9 @@ void Instance::load(const std::byte* bytes) {
     for (const Variable& v : table()) {
         for (std::uint32_t e = 0; e < v.size; ++e) set_number<double>(v, e, values.next());
     }
-    std::memcpy(held_, bytes + sizeof header + table().next_vr * sizeof(double), n_held_ * sizeof(double));
+    bytes += sizeof header + table().next_vr * sizeof(double);
+    std::memcpy(held_, bytes, n_held_ * sizeof(double));
+    if (reacts()) std::memcpy(settled_states_, bytes + n_held_ * sizeof(double), n_states_ * sizeof(double));
 }
 
 /// Whether bytes are a state of this kind of component, undamaged, and can be loaded.
@@ -135,9 +150,13 @@ Status Instance::check_saved(const char* function, const void* bytes, std::size_
     if (!one_mode || (header.mode & modes) == 0) {
         return error("%s: the saved state has no mode of this interface: %u", function, header.mode);
     }
-    for (const std::uint8_t flag : {header.stop_defined, header.outputs_fresh, header.derivatives_fresh,
-                                    header.parameters_checked, header.inputs_checked}) {
+    for (const std::uint8_t flag :
+         {header.stop_defined, header.outputs_fresh, header.derivatives_fresh, header.parameters_checked,
+          header.inputs_checked, header.settled, header.states_changed}) {
         if (flag > 1) return error("%s: the saved state has a flag that is neither 0 nor 1", function);
+    }
+    if (((header.settled_signs | header.signs) & ~event_bits()) != 0 || (!reacts() && header.states_changed != 0)) {
+        return error("%s: the saved state has events of no event function", function);
     }
     if (header.due >> table().clocks != 0) return error("%s: the saved state has samples of no clock", function);
     Reader values(static_cast<const std::byte*>(bytes) + sizeof header);
@@ -187,6 +206,13 @@ Status Instance::check_loaded(const char* function) {
     }
     for (std::size_t i = 0; i < n_held_; ++i) {
         if (!std::isfinite(held_[i])) return error("%s: a held value of the saved state is %g", function, held_[i]);
+    }
+    for (std::size_t i = 0; states_changed_ && i < n_states_; ++i) {
+        if (!std::isfinite(settled_states_[i]))
+            return error("%s: a state before an event of the saved state is %g", function, settled_states_[i]);
+    }
+    if (!std::isfinite(settled_time_) || (settled_ && settled_time_ > time_)) {
+        return error("%s: the latest event of the saved state was at t = %g", function, settled_time_);
     }
     if (parameters_checked_) {
         if (const char* fault = model_->validate(); fault != nullptr) return error("%s: %s", function, fault);

@@ -1,5 +1,5 @@
-// The layout of a saved state: this header, the value of every variable as a double in the order of the table, and the
-// values held before a pending sample. Little-endian, like every platform that FMUs are made for.
+// The layout of a saved state: this header, the value of every variable as a double in the order of the table, the values
+// held before a pending sample or event, and the states before it if there are events. Little-endian, like every platform that FMUs are made for.
 #pragma once
 
 #include <cstddef>
@@ -18,11 +18,12 @@ struct SavedHeader {
     std::uint64_t checksum;  ///< over all that follows it
     std::uint64_t size;      ///< of the whole, in bytes
     char token[40];          ///< of the component's declaration
-    double time, stop_time;
+    double time, stop_time, settled_time;
     Clock clocks[Clocks::capacity];
-    std::uint32_t mode;
+    std::uint32_t mode, settled_signs, signs;
     std::uint8_t interface, stop_defined, due, outputs_fresh, derivatives_fresh, parameters_checked, inputs_checked;
-    std::uint8_t unused[5];  ///< 0, to a multiple of eight bytes
+    std::uint8_t settled, states_changed;
+    std::uint8_t unused[3];  ///< 0, to a multiple of eight bytes
 };
 static_assert(sizeof(SavedHeader) % sizeof(double) == 0);
 

@@ -11,6 +11,11 @@
 namespace adcs::detail {
 
 template <class C, class = void>
+constexpr bool has_declare = false;
+template <class C>
+constexpr bool has_declare<C, std::void_t<decltype(std::declval<C&>().declare(std::declval<Declare<double>&>()))>> =
+    true;
+template <class C, class = void>
 constexpr bool has_outputs = false;
 template <class C>
 constexpr bool has_outputs<C, std::void_t<decltype(std::declval<C&>().outputs())>> = true;
@@ -23,6 +28,10 @@ constexpr bool has_sample = false;
 template <class C>
 constexpr bool has_sample<C, std::void_t<decltype(std::declval<C&>().sample(std::declval<const Sample&>()))>> = true;
 template <class C, class = void>
+constexpr bool has_events = false;
+template <class C>
+constexpr bool has_events<C, std::void_t<decltype(std::declval<C&>().events(std::declval<const Events&>()))>> = true;
+template <class C, class = void>
 constexpr bool has_validate = false;
 template <class C>
 constexpr bool has_validate<C, std::void_t<decltype(std::declval<const C&>().validate())>> = true;
@@ -33,11 +42,13 @@ constexpr bool has_stream<C, std::void_t<decltype(C::stream)>> = true;
 template <class C, class = void>
 constexpr bool has_summary = false;
 template <class C>
-constexpr bool has_summary<C, std::void_t<decltype(C::summary)>> = true;
+constexpr bool has_summary<C, std::void_t<decltype(*&C::summary)>> =
+    std::is_convertible_v<decltype(*&C::summary), const char*>;
 template <class C, class = void>
 constexpr bool has_reference = false;
 template <class C>
-constexpr bool has_reference<C, std::void_t<decltype(C::reference)>> = true;
+constexpr bool has_reference<C, std::void_t<decltype(*&C::reference)>> =
+    std::is_convertible_v<decltype(*&C::reference), const char*>;
 template <class C, class = void>
 constexpr bool is_differentiable = true;
 template <class C>
@@ -46,7 +57,7 @@ constexpr bool is_differentiable<C, std::void_t<decltype(C::differentiable)>> = 
 /// Beside another member of each name, that of C makes the name ambiguous, whatever it is: a function of any arguments,
 /// a template, a private one.
 struct Others {
-    int outputs, derivatives, sample, sample_times, validate;
+    int outputs, derivatives, sample, sample_times, events, validate;
 };
 template <class C>
 struct Both : C, Others {};
@@ -67,6 +78,10 @@ constexpr bool names_sample_times = true;
 template <class C>
 constexpr bool names_sample_times<C, std::void_t<decltype(&Both<C>::sample_times)>> = false;
 template <class C, class = void>
+constexpr bool names_events = true;
+template <class C>
+constexpr bool names_events<C, std::void_t<decltype(&Both<C>::events)>> = false;
+template <class C, class = void>
 constexpr bool names_validate = true;
 template <class C>
 constexpr bool names_validate<C, std::void_t<decltype(&Both<C>::validate)>> = false;
@@ -74,6 +89,8 @@ constexpr bool names_validate<C, std::void_t<decltype(&Both<C>::validate)>> = fa
 /// Refuses a component whose functions would not be called. Each text begins with the name that it is about.
 template <class C>
 constexpr bool is_well_formed() {
+    static_assert(has_declare<C>,
+                  "declare() has to be public and take whoever asks (template <class V> void declare(V& v))");
     static_assert(has_outputs<C> || !names_outputs<C>,
                   "outputs() has to be public and without arguments (void outputs())");
     static_assert(has_derivatives<C> || !names_derivatives<C>,
@@ -82,6 +99,8 @@ constexpr bool is_well_formed() {
                   "sample() has to be public and take the sample (void sample(const Sample& s))");
     static_assert(!names_sample_times<C>,
                   "sample_times() is called by nobody (v.sampled(period) in declare() says when to sample)");
+    static_assert(has_events<C> || !names_events<C>,
+                  "events() has to be public and take what happened (void events(const Events& e))");
     static_assert(has_validate<C> || !names_validate<C>,
                   "validate() has to be public, const and without arguments (const char* validate() const)");
     static_assert(has_summary<C>,

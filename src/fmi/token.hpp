@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstdio>
 
-#include "fmi/declaration.hpp"
+#include "fmi/unit_of.hpp"
 
 namespace adcs {
 namespace detail {
@@ -35,7 +35,7 @@ inline void make_token(const char* name, const Table& table, char (&token)[40]) 
         hash->add(name);
         for (const Variable& v : table) {
             hash->add(v.name);
-            hash->add(v.unit->name);
+            hash->add(UnitOf(v)->name);
             for (const std::uint32_t number :
                  {v.vr, v.rows, v.cols, static_cast<std::uint32_t>(v.type), static_cast<std::uint32_t>(v.causality),
                   static_cast<std::uint32_t>(v.variability), static_cast<std::uint32_t>(v.role)}) {

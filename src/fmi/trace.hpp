@@ -18,12 +18,44 @@ struct Bits {
     std::bitset<Table::scalar_capacity> set;
     friend Bits operator+(const Bits& a, const Bits& b) { return {a.set | b.set}; }
     friend Bits scale(double /*factor*/, const Bits& a) { return a; }
+    friend Bits scale_steeply(double /*slope*/, const Bits& a) { return a; }
+    friend Bits chosen(const Bits& a, const Bits& other) { return a + other; }
 };
-/// What was compared since it was emptied. A comparison gives no number that could carry it: whatever is no number of its
-/// own, a Boolean output for one, may come of any of them.
+/// What was decided by since it was emptied. A decision is no number that could carry it: what is no number itself, a
+/// Boolean output for one, may come of any of them.
 inline Bits decisions;
 inline void decided_by(const Bits& a) { decisions = decisions + a; }
 using Trace = Lifted<Bits>;
+
+/// Whether something holds, and what that depends on, which select() adds to what it chooses from.
+struct Condition {
+    bool holds;
+    Bits from;
+    operator bool() const {  // NOLINT(google-explicit-constructor): laws branch on it, too
+        decided_by(from);
+        return holds;
+    }
+    friend Condition operator!(const Condition& a) { return {!a.holds, a.from}; }
+    friend Condition operator&&(const Condition& a, const Condition& b) {
+        return {a.holds && b.holds, a.from + b.from};
+    }
+    friend Condition operator||(const Condition& a, const Condition& b) {
+        return {a.holds || b.holds, a.from + b.from};
+    }
+    friend Condition operator&&(const Condition& a, bool b) { return {a.holds && b, a.from}; }
+    friend Condition operator||(const Condition& a, bool b) { return {a.holds || b, a.from}; }
+    friend Condition operator&&(bool a, const Condition& b) { return b && a; }
+    friend Condition operator||(bool a, const Condition& b) { return b || a; }
+};
+inline Condition compared(bool holds, const Bits& a, const Bits& b) { return {holds, a + b}; }
+
+template <class A, class B,
+          std::enable_if_t<std::is_convertible_v<A, Trace> && std::is_convertible_v<B, Trace>, int> = 0>
+Trace select(const Condition& condition, const A& a, const B& b) {
+    const Trace either = select(condition.holds, Trace(a), Trace(b));
+    return {either.value, either.tangent + condition.from};
+}
+
 using Dependencies = std::array<Bits, Table::scalar_capacity>;  // of each scalar, by value reference
 
 /// Runs a component at points around its start values, with Booleans, integers and enumerations at their start values and
@@ -113,7 +145,9 @@ private:
         detail::Bound<C, Trace> bound;
     };
 
-    static bool is_unknown(const Variable& v) { return v.causality == Causality::output || v.role == Role::derivative; }
+    static bool is_unknown(const Variable& v) {
+        return v.causality == Causality::output || v.role == Role::derivative || v.role == Role::event;
+    }
 
     static void add(Dependencies& found, const Run& one, const Run& other, std::uint32_t known) {
         for (int i = 0; i < one.table.count; ++i) {

@@ -37,4 +37,19 @@ DoubleDouble<T> two_product(const T& a, const T& b) {
     return {product, ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2};
 }
 
+/// a b, to some 2^-102.
+template <class T>
+DoubleDouble<T> times(const DoubleDouble<T>& a, const DoubleDouble<T>& b) {
+    const auto product = two_product(a.value, b.value);
+    return fast_two_sum(product.value, product.rest + (a.value * b.rest + a.rest * b.value));
+}
+
+/// a / b, to some 2^-102, where nothing underflows.
+template <class T>
+DoubleDouble<T> quotient(const DoubleDouble<T>& a, const DoubleDouble<T>& b) {
+    const T q = a.value / b.value;
+    const auto product = two_product(q, b.value);
+    return {q, (((a.value - product.value) - product.rest) + (a.rest - q * b.rest)) / b.value};
+}
+
 }  // namespace adcs::math

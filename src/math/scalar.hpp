@@ -24,12 +24,18 @@ inline constexpr bool is_real<double> = true;
 template <class T>
 using IfReal = std::enable_if_t<is_real<T>, int>;
 
+/// What a function of several numbers computes in: constants, also whole ones, mix with the others.
+template <class... X>
+using Joint = std::enable_if_t<is_real<std::common_type_t<double, X...>>, std::common_type_t<double, X...>>;
+
 /// Where the condition holds a, else b. Both have been computed, so neither may be a matter of life and death.
 inline double select(bool condition, double a, double b) { return condition ? a : b; }
 /// Whether to take a way that few numbers need.
 inline bool any(bool condition) { return condition; }
 
 inline double abs(double x) { return std::fabs(x); }
+/// |x| with the sign of y, which zeros have, too.
+inline double copysign(double x, double y) { return std::copysign(x, y); }
 inline double sqrt(double x) { return std::sqrt(x); }  // IEEE 754 rounds it exactly
 
 inline std::uint64_t bits_of(double x) {

@@ -1,4 +1,4 @@
-// sin and cos: polynomials up to an eighth of a turn, exchanged and negated by the quarter turns before it.
+// sin, cos and tan: polynomials up to an eighth of a turn, exchanged and negated by the quarter turns before it.
 #pragma once
 
 #include "math/polynomial.hpp"
@@ -21,23 +21,29 @@ struct SinCos {
     T sin, cos;
 };
 
-/// Both for the part of x beyond its quarter turns; the rest counts to first order.
+/// Both for the part of x beyond its quarter turns, as sums; the rest counts to first order.
 template <class T>
-SinCos<T> sincos_of_part(const QuarterTurns<T>& x) {
+SinCos<DoubleDouble<T>> sincos_of_part(const QuarterTurns<T>& x) {
     const auto y2 = square(x.angle);
     const T &y = x.angle, z = y2.value, half = 0.5 * z;
-    const T s = y + (y * z * polynomial(z, sin_coefficients) + x.rest * (1.0 - half));
     const auto [one_less, left] = fast_two_sum(T(1.0), -half);
-    const T c = one_less + (left + (z * z * polynomial(z, cos_coefficients) - (0.5 * y2.rest + y * x.rest)));
-    return {s, c};
+    return {{y, y * z * polynomial(z, sin_coefficients) + x.rest * (1.0 - half)},
+            {one_less, left + (z * z * polynomial(z, cos_coefficients) - (0.5 * y2.rest + y * x.rest))}};
+}
+
+/// The quarter turns without whole turns, from -2 to 2, where -2 is 2.
+template <class T>
+T turn_of(const QuarterTurns<T>& x) {
+    return x.quarters - 4.0 * nearest(0.25 * x.quarters);
 }
 
 /// sin(x) and cos(x), each to the same digits as alone.
 template <class T, IfReal<T> = 0>
 SinCos<T> sincos(const T& x) {
     const QuarterTurns<T> parts = quarter_turns(x);
-    const auto [s, c] = sincos_of_part(parts);
-    const T turn = parts.quarters - 4.0 * nearest(0.25 * parts.quarters);  // -2 to 2, and -2 is 2
+    const auto sums = sincos_of_part(parts);
+    const T s = sums.sin.value + sums.sin.rest, c = sums.cos.value + sums.cos.rest;
+    const T turn = turn_of(parts);
     const auto exchanged = abs(turn) == 1.0;
     const T sine = select(exchanged, c, s), cosine = select(exchanged, s, c);
     return {select(abs(x) < 0x1p-27, x, select(abs(turn - 0.5) > 1.0, -sine, sine)),  // x: keeps -0 and subnormals
@@ -52,6 +58,23 @@ T sin(const T& x) {
 template <class T, IfReal<T> = 0>
 T cos(const T& x) {
     return sincos(x).cos;
+}
+
+/// tan(x), of the sine and cosine of half of what is left of x: sums lose nothing in them that would be seen here.
+template <class T, IfReal<T> = 0>
+T tan(const T& x) {
+    const QuarterTurns<T> parts = quarter_turns(x);
+    const auto sums = sincos_of_part(QuarterTurns<T>{0.5 * parts.angle, 0.5 * parts.rest, parts.quarters});
+    const auto s = fast_two_sum(sums.sin.value, sums.sin.rest), c = fast_two_sum(sums.cos.value, sums.cos.rest);
+    const auto s2 = times(s, s), c2 = times(c, c), half = times(s, c);
+    const auto difference = fast_two_sum(c2.value, -s2.value);
+    const DoubleDouble<T> sine{2.0 * half.value, 2.0 * half.rest};
+    const DoubleDouble<T> cosine{difference.value, difference.rest + (c2.rest - s2.rest)};
+    const auto exchanged = abs(turn_of(parts)) == 1.0;  // tan(y + pi/2) = -cos(y) / sin(y)
+    const auto [q, rest] = quotient(
+        DoubleDouble<T>{select(exchanged, -cosine.value, sine.value), select(exchanged, -cosine.rest, sine.rest)},
+        DoubleDouble<T>{select(exchanged, sine.value, cosine.value), select(exchanged, sine.rest, cosine.rest)});
+    return select(abs(x) < 0x1p-27, x, q + rest);  // x: keeps -0 and subnormals
 }
 
 }  // namespace adcs::math

@@ -8,9 +8,9 @@
 /// $$J = J_0 - J_1\psi, \qquad \dot\psi = \lVert\tau\rVert, \qquad \dot J = -J_1\lVert\tau\rVert$$
 ///
 /// $J_0$ is the inertia with a full tank, $\psi$ the torque impulse spent so far. The fuel lasts for an impulse of
-/// `fuel`. A `fuel` for which $J$ would not stay positive definite is refused. Once it is spent the thrusters give no
-/// torque: $\psi$, $J$ and the output `fuel_left` = 0 stay as they are, and the body coasts. The default is the text's
-/// dry mass, at which the least eigenvalue of $J$ is 0.5 kg m².
+/// `fuel`. A `fuel` for which $J$ would not stay positive definite is refused. Once it is spent, which is an event, the
+/// thrusters give no torque: $\psi$, $J$ and the output `fuel_left` = 0 stay as they are, and the body coasts. The default
+/// is the text's dry mass, at which the least eigenvalue of $J$ is 0.5 kg m².
 #pragma once
 
 #include "attitude/definite.hpp"
@@ -34,7 +34,7 @@ struct FuelLossBody {
     T torque_impulse = 0.0, torque_impulseDot = 0.0;
     Mat3<T> J_B = Mat3<T>::Zero();
     Vec3<T> H_N{0.0, 0.0, 0.0};
-    T fuel_left = 2816.67;
+    T fuel_left = 2816.67, unspent = 2816.67, thrusting = 1.0;
 
     template <class V>
     void declare(V& v) {
@@ -52,6 +52,8 @@ struct FuelLossBody {
                 "psi, integral of the norm of the control torque")
             .at_least(0)
             .nominal(100.0);
+        v.event("unspent", unspent, unit::N_m_s, "torque impulse until the tank is empty");
+        v.held("thrusting", thrusting, unit::one, "1 while there is fuel, else 0");
         v.output("J_B", J_B, unit::kg_m2, "inertia, in B").nominal(10.0);
         v.output("H_N", H_N, unit::N_m_s, "angular momentum, in N; that of the lost fuel is not in it");
         v.output("fuel_left", fuel_left, unit::N_m_s, "torque impulse that the fuel still lasts for").nominal(100.0);
@@ -59,13 +61,15 @@ struct FuelLossBody {
 
     void outputs() {
         const T spent = torque_impulse < fuel ? torque_impulse : fuel;
+        unspent = fuel - torque_impulse;
         fuel_left = fuel - spent;
         J_B = J_0_B - J_1_B * spent;
         H_N = dcm(q_BN).transpose() * (J_B * omega_BN_B);
     }
 
+    void events(const Events& /*e*/) { thrusting = unspent > 0.0 ? 1.0 : 0.0; }
+
     void derivatives() {
-        const T thrusting = fuel_left > 0.0 ? 1.0 : 0.0;
         torque_impulseDot = thrusting * norm_of(torque_B);
         const Mat3<T> JDot_B = -J_1_B * torque_impulseDot;
         qDot_BN = kinematics(q_BN, omega_BN_B);

@@ -14,7 +14,7 @@ from .points import NAMES, near, starts, tunable
 from .raw import Raw
 
 VERSIONS = (2, 3)
-CHECKSUM, TIME, CLOCK, MODE, VALUES = 8, 64, 80, 208, 224
+CHECKSUM, TIME, CLOCK, MODE, FLAGS, VALUES = 8, 64, 88, 216, 228, 240
 """Offsets in a saved state, src/fmi/saved_state.hpp."""
 TILTED = {
     "directions_B": [[0.0, 0.0, 1.0], [0.8, 0.6, 0.0], [0.6, 0.8, 0.0]],
@@ -174,10 +174,14 @@ def test_every_damaged_byte_is_seen(name: str, version: int) -> None:
         ("RigidBody", TIME, struct.pack("<d", 3.0), "has the times 3"),
         ("RigidBody", MODE, struct.pack("<I", 8), "has no mode of this interface: 8"),
         ("RigidBody", MODE, struct.pack("<I", 3), "has no mode of this interface: 3"),
-        ("RigidBody", MODE + 4, b"\0", "not from this kind of component"),
-        ("RigidBody", MODE + 5, b"\2", "a flag that is neither 0 nor 1"),
+        ("RigidBody", FLAGS, b"\0", "not from this kind of component"),
+        ("RigidBody", FLAGS + 1, b"\2", "a flag that is neither 0 nor 1"),
         ("RigidBody", VALUES + 8 * 7, struct.pack("<d", -1.0), "J_B = [-1 1.2 0.5"),
         ("RigidBody", VALUES + 8 * 16, struct.pack("<d", np.inf), "q_BN[1] = inf"),
+        ("RigidBody", MODE + 4, struct.pack("<I", 1), "has events of no event function"),
+        ("RigidBody", MODE + 8, struct.pack("<I", 2), "has events of no event function"),
+        ("RigidBody", FLAGS + 8, b"\1", "has events of no event function"),
+        ("RigidBody", TIME + 16, struct.pack("<d", np.nan), "the latest event of the saved state was at t = nan"),
         ("StarTracker", CLOCK, struct.pack("<d", 1e-12), "the clock of the saved state does not fit"),
         (
             "StarTracker",

@@ -90,6 +90,51 @@ struct ModeLogic {
 
 }  // namespace adcs
 """
+WHEEL = """\
+/// # A wheel that can be full
+#pragma once
+
+#include "fmi/declaration.hpp"
+
+namespace adcs {
+
+template <class T>
+struct FullWheel {
+    static constexpr auto summary = "a wheel that can be full";
+    static constexpr auto reference = "";
+    static constexpr auto kind = "plant";
+    static constexpr const char* modes[] = {"filling", "full"};
+
+    T torque = 1.0, h_max = 0.25, h = 0.0, hDot = 0.0, room = 0.0, outwards = 0.0;
+    bool full = false;
+    std::int32_t mode = 0;
+    const char* says = "";
+
+    template <class V>
+    void declare(V& v) {
+        v.input("torque", torque, unit::N_m, "torque");
+        v.parameter("h_max", h_max, unit::N_m_s, "most of it");
+        v.state("h", h, hDot, unit::N_m_s, "momentum");
+        v.event("room", room, unit::N_m_s, "momentum that it can still take");
+        v.event("outwards", outwards, unit::W, "whether the torque would add to it");
+        v.held("full", full, "no more").output();
+        v.held("mode", mode, modes, "what it does").output();
+        v.output("says", says, "what it does, in words");
+    }
+    void outputs() {
+        room = h_max - abs(h);
+        outwards = torque * h;
+        says = full ? "no more" : "goes on";
+    }
+    void events(const Events&) {
+        full = room <= 0.0 && outwards > 0.0;
+        mode = full ? 1 : 0;
+    }
+    void derivatives() { hDot = full ? T(0.0) : torque; }
+};
+
+}  // namespace adcs
+"""
 OUTPUTS = ("latched", "seen", "ticks", "held_mode", "lit", "slow", "copied", "mode", "says", "y", "x")
 
 
@@ -421,3 +466,20 @@ def test_an_integer_of_an_ssp_file_is_taken_for_a_boolean(header: Path, tmp_path
         "inverted": (True,),
         "wanted": (2,),
     }
+
+
+@pytest.mark.parametrize("method", [CoSimulation(), ModelExchange()], ids=str)
+@pytest.mark.parametrize("version", VERSIONS)
+def test_events_set_booleans_and_modes(tmp_path: Path, version: int, method: CoSimulation | ModelExchange) -> None:
+    header = tmp_path / "full_wheel.hpp"
+    header.write_text(WHEEL)
+    system = System("wheel", "fills at 0.25 s")
+    system.add("it", str(header), {"torque": 1.0})
+    result = adcs.run(system, stop_time=0.4, step=0.1, method=method, fmi_version=f"{version}.0")
+    full = result.time > 0.25
+    np.testing.assert_array_equal(result["it.full"], full)
+    np.testing.assert_array_equal(result["it.mode"], full)
+    np.testing.assert_allclose(result["it.h"], np.minimum(result.time, 0.25), atol=1e-12)
+    found = {u.variable.name: {d.name for d in u.dependencies} for u in unpacked(str(header), 3)[1].outputs}
+    assert "h" in found["h"]
+    assert check(fmu_path(str(header), f"{version}.0")) == []

@@ -4,14 +4,18 @@ import contextlib
 import io
 import re
 import shlex
+import tomllib
+from dataclasses import fields
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+import adcs
 from adcs.cli.app import app
 from fmus.catalog import components
+from tests.invoking import invoke
 
 ROOT = Path(__file__).parents[2]
 CONTRIBUTING = ROOT / "CONTRIBUTING.md"  # its examples are of a component that is not built here
@@ -99,6 +103,20 @@ def test_commands_and_their_options_exist(page: Path) -> None:
         for word in words:
             if word.startswith("--") and word != "--help":
                 assert word in options, line
+
+
+def test_every_field_of_an_entry_stands_in_the_page_on_own_systems() -> None:
+    page = (ROOT / "docs" / "your-own.md").read_text(encoding="utf-8")
+    told = [name for row in re.findall(r"^\| (`.*?) \|", page, re.MULTILINE) for name in re.findall(r"`(\w+)`", row)]
+    assert told == [field.name for field in fields(adcs.SystemEntry)]
+
+
+def test_the_project_is_described_in_the_same_words_everywhere() -> None:
+    described = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["description"]
+    assert (ROOT / "README.md").read_text(encoding="utf-8").startswith(f"# adcs-fmus\n\n{described}: ")
+    assert f'title: "adcs-fmus: {described[0].lower()}{described[1:]}"' in (ROOT / "CITATION.cff").read_text()
+    assert str(adcs.__doc__).startswith(f"{described}.\n")
+    assert invoke(app, ["--help"]).stdout.count(f"{described}.") == 1
 
 
 def test_pictures_are_small() -> None:

@@ -74,7 +74,6 @@ def spinner() -> Description:
             "differentiable": True,
             "sampled": False,
             "states": 2,
-            "event_indicators": 0,
             "log_categories": [{"name": "logStatusError", "description": "errors"}],
             "units": [
                 {"name": "s", "exponents": {"s": 1}, "factor": 1.0, "offset": 0.0, "display": []},

@@ -29,7 +29,7 @@ def test_a_struct_must_have_the_name_of_its_file(tmp_path, monkeypatch):
     monkeypatch.setattr(catalog, "SOURCES", tmp_path)
     (tmp_path / "sensors").mkdir()
     (tmp_path / "sensors" / "sun_sensor.hpp").write_text("struct Sunsensor { declare(v) };")
-    with pytest.raises(AdcsError, match=r"sun_sensor.hpp: there is no `struct SunSensor`"):
+    with pytest.raises(AdcsError, match=r"sun_sensor.hpp:1: there is no `struct SunSensor`, but Sunsensor"):
         catalog.components()
 
 

@@ -13,6 +13,7 @@ import pytest
 import adcs
 from adcs.cli import app
 from fmus import catalog
+from fmus.build import describe
 from tests.invoking import invoke
 
 ROOT = Path(__file__).parents[2]
@@ -66,6 +67,58 @@ def test_what_is_written_builds_has_no_faults_and_passes_its_test(project: Path)
         text=True,
     )
     assert "2 passed" in ran.stdout, ran.stdout + ran.stderr
+
+
+def test_a_law_of_each_kind_is_written_that_builds_and_passes_its_test(tmp_path: Path) -> None:
+    outputs = {
+        "guidance": "q_RN", "plant": "q_BN", "environment": "torque_B", "sensor": "omega_BN_B_meas",
+        "observer": "omega_BN_B_est", "controller": "torque_B",
+    }  # fmt: skip
+    assert set(outputs) == set(catalog.KINDS.values())
+    for kind, output in outputs.items():
+        written = command(tmp_path, "new", kind, f"my_{kind}")
+        assert written.returncode == 0, written.stderr
+        described = describe(str(tmp_path / f"my_{kind}.hpp"))
+        assert next(v.name for v in described.variables[1:] if v.causality == "output") == output
+    assert (
+        (tmp_path / "README.md").read_text().startswith('# My guidance\n\nAn FMI component of the kind "guidance".\n')
+    )
+    ran = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+    )
+    assert "12 passed" in ran.stdout, ran.stdout + ran.stderr  # that nothing is wrong, and the law again, of each
+
+
+def test_progress_leaves_nothing_where_nobody_looks(project: Path, tmp_path: Path) -> None:
+    shutil.copy(project / "rate_law.hpp", tmp_path)
+    for _ in ("built", "there already"):
+        assert command(tmp_path, "build", "rate_law.hpp").stderr == ""
+
+
+def test_a_folder_is_checked_as_it_is_built(project: Path, tmp_path: Path) -> None:
+    laws, given = tmp_path / "laws", tmp_path / "given"
+    for folder in (laws, given):
+        folder.mkdir()
+    shutil.copy(project / "rate_law.hpp", laws)
+    (laws / "bad.fmu").write_bytes(b"no zip")
+    (given / "other.fmu").write_bytes(b"no zip")
+    checked = command(tmp_path, "check", "laws", "given", "laws/rate_law.hpp", "--json")
+    found = {Path(fmu["path"]).name: [each["rule"] for each in fmu["findings"]] for fmu in json.loads(checked.stdout)}
+    assert found == {
+        "RateLaw.fmu": [],
+        "RateLaw.fmi3.fmu": [],
+        "bad.fmu": ["archive", "run"],
+        "other.fmu": ["archive", "run"],
+    }
+    assert [finding.rule for finding in adcs.check(given)] == ["archive", "run"]
+    (tmp_path / "empty").mkdir()
+    assert command(tmp_path, "check", "empty").stderr == (
+        "adcs: empty has no header of a component: `adcs new controller my_law --to empty` writes one\n"
+    )
 
 
 def test_a_system_takes_a_header_and_both_fmi_versions_agree(project: Path) -> None:
@@ -275,7 +328,9 @@ def test_the_kind_is_what_the_header_or_its_folder_says(project: Path, tmp_path:
     header.write_text(text.replace('    static constexpr auto kind = "controller";\n', ""))
     assert catalog.find(str(header)).kind == "sensor"
     header.write_text(text.replace('kind = "controller"', 'kind = "wheel"'))
-    with pytest.raises(adcs.AdcsError, match=r"kind = 'wheel' is unknown: use guidance or plant or environment or"):
+    with pytest.raises(
+        adcs.AdcsError, match=r"rate_law\.hpp:14: kind = 'wheel' is unknown: use guidance or plant or environment or"
+    ):
         catalog.find(str(header))
 
 
@@ -285,7 +340,10 @@ def test_the_kind_is_what_the_header_or_its_folder_says(project: Path, tmp_path:
         (("build", "absent.hpp"), "absent.hpp is no file"),
         (("build", "empty.hpp"), "empty.hpp declares no component: `adcs new controller my_law` writes one"),
         (("build", "my__law.hpp"), "my__law.hpp: small letters, digits and underscores make the name of a header"),
-        (("build", "wrong.hpp"), "there is no `struct Wrong`; a component's struct has its file's name in CamelCase"),
+        (
+            ("build", "wrong.hpp"),
+            "wrong.hpp:1: there is no `struct Wrong`, but Other; a component's struct has its file's name in",
+        ),
         (("new", "controler", "x"), 'Did you mean "controller"?'),
         (("new", "controller", "MyLaw"), "'MyLaw' is no name for a file: small letters, digits and underscores"),
         (("new", "controller", "empty"), "empty.hpp is there already: take another name, or another folder by --to"),
@@ -331,13 +389,14 @@ def test_systems_of_other_packages_are_found_by_name(package: Path) -> None:
     )
     listed = json.loads(command(package, "list", "--json", path=str(package)).stdout)
     about = {system["name"]: system["description"] for system in listed["systems"]}
-    assert about["their-detumble"] == "a tumbling body"
-    assert "SystemExit: 3" in about["their-exit"]
+    assert about["their-detumble"] == "their_missions:detumble, of the package their-missions"  # nothing was run
+    assert about["their-exit"] == "their_missions:leave, of the package their-missions"
+    left = command(package, "run", "their-exit", path=str(package))
+    assert left.stderr == "adcs: the system their-exit of the package their-missions cannot be loaded: SystemExit: 3\n"
     alone = json.loads(
         command(package, "run", "RigidBody", "--no-report", "--json", "--stop", "1", path=str(package)).stdout
     )
     assert alone["system"] == "RigidBody"  # names of here come first
-    assert about["their-broken"].startswith("the system their-broken of the package their-missions cannot be loaded")
 
 
 @pytest.fixture(scope="module")
@@ -349,14 +408,15 @@ def laws(project: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     text = (project / "rate_law.hpp").read_text()
     (package / "__init__.py").write_text(
         "from pathlib import Path\n\nHEADERS = 'more/other_law.hpp'\n\n\n"
-        "def several():\n    return [Path(__file__).parent / 'more' / 'rigid_body.hpp', 'more/alone.fmu']\n"
+        "def several():\n    return [Path(__file__).parent / 'more' / 'rigid_body.hpp', 'alone.fmu']\n"
     )
     (package / "their_law.hpp").write_text(text.replace("RateLaw", "TheirLaw"))
+    (package / "magnetometer.hpp").write_text(text.replace("RateLaw", "Magnetometer"))
     (package / "shared.hpp").write_text("#pragma once\n")
     (package / "more" / "other_law.hpp").write_text(text.replace("RateLaw", "OtherLaw").replace("-k *", "-2 * k *"))
     (package / "more" / "rigid_body.hpp").write_text(text.replace("RateLaw", "RigidBody"))
     built = adcs.build([str(package / "their_law.hpp"), str(package / "more" / "other_law.hpp")])
-    shutil.copy(built[2], package / "more" / "alone.fmu")
+    shutil.copy(built[2], package / "alone.fmu")
     for path in built[2:]:
         path.unlink()
     shutil.rmtree(package / ".made")  # as in what is installed
@@ -374,18 +434,20 @@ def laws(project: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_components_of_other_packages_are_found_by_name(laws: Path) -> None:
     ran = command(laws, "list", "--json", path=str(laws))
     listed = {c["name"]: c for c in json.loads(ran.stdout)["components"]}
-    assert [*listed][-3:] == ["TheirLaw", "OtherLaw", "alone"]
+    assert [*listed][-4:] == ["TheirLaw", "alone", "one", "more"]
     assert listed["TheirLaw"]["kind"] == "controller" and [*listed["TheirLaw"]["fmus"]] == ["2.0", "3.0"]
     assert [*listed["alone"]["fmus"]] == ["2.0"]
+    assert listed["one"]["description"] == "more components: their_laws:HEADERS, of the package their-laws"
     told = " ".join(ran.stderr.split())
-    where = laws / "their_laws" / "more" / "rigid_body.hpp"
-    assert f"RigidBody is a component of this project; that of the package their-laws, {where}, goes by its" in told
+    where = laws / "their_laws" / "magnetometer.hpp"
+    assert f"Magnetometer is a component of this project; that of the package their-laws, {where}, goes by its" in told
     assert "the components broken of the package their-laws cannot be found: there is no module their_laws.ab" in told
     assert "observer-pd is a system of this project; that of the package their-laws, their_laws:several, is not" in told
     info = command(laws, "info", "alone", path=str(laws))
     assert info.stdout.startswith("OtherLaw: Torque against the angular velocity") and "RigidBody" not in info.stderr
     clash = command(laws, "info", "RigidBody", path=str(laws))
     assert clash.stdout.startswith("RigidBody (plant)")
+    assert json.loads(command(laws, "info", "OtherLaw", "--json", path=str(laws)).stdout)["name"] == "OtherLaw"
     slip = command(laws, "run", "ThierLaw", path=str(laws)).stderr
     assert "did you mean TheirLaw" in slip
 

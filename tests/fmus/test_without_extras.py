@@ -31,6 +31,22 @@ def test_without_a_compiler_build_says_what_to_install(monkeypatch, capsys, tmp_
     )
 
 
+def test_an_installation_from_sources_without_a_compiler_is_told_of_the_wheel(monkeypatch, tmp_path):
+    monkeypatch.setattr("fmus.paths.DIST", tmp_path)
+    monkeypatch.setattr("fmus.toolchain.CHECKOUT", None)
+    monkeypatch.setattr("fmus.toolchain.is_installed", lambda: False)
+    way_out = "pip install 'adcs-fmus[build]', or install the wheel, which carries this project's components compiled"
+    with pytest.raises(AdcsError) as refused:
+        fmus.fmu_path("RigidBody")
+    assert str(refused.value) == f"RigidBody.fmu is not built, and no compiler is installed to build it: {way_out}"
+    with pytest.raises(AdcsError) as refused:
+        fmus.build(["RigidBody"])
+    assert str(refused.value) == f"no compiler is installed: {way_out}"
+    monkeypatch.setattr("fmus.toolchain.CARRIED", tmp_path)  # which a wheel has
+    with pytest.raises(AdcsError, match=r"no compiler is installed: pip install 'adcs-fmus\[build\]'$"):
+        fmus.build(["RigidBody"])
+
+
 def test_without_a_compiler_build_shows_what_is_there(monkeypatch, capsys):
     there = fmus.fmu_path("RigidBody")
     for module in ("fmus.toolchain", "adcs.cli.build"):

@@ -25,6 +25,7 @@ def _released(root: Path, to: Path, modified: int, umask: int) -> dict[str, byte
         [*python, "pip", "wheel", "--quiet", "--disable-pip-version-check", "--no-deps", "--wheel-dir", to, "."],
         [*python, "build", "--sdist", "--outdir", to, "."],
         [Path(sys.executable).with_name("cyclonedx-py"), "requirements", "requirements/run.lock", *_BILL, to / "bill"],
+        [*python, "adcs.bill", to / "bill"],
     ):
         subprocess.run(command, check=True, cwd=root, capture_output=True, umask=umask)
     return {path.name: path.read_bytes() for path in to.iterdir()}

@@ -9,8 +9,9 @@ import pytest
 
 from adcs import AdcsError, CoSimulation, Result, RunFailed, System, read_ssp, run, write_ssp
 from adcs.library.trigo import settings
-from adcs.library.trigo.settings import AS_MADE, AS_PRINTED, Controller, Scenario
-from adcs.library.trigo.systems import CATALOG, ESTIMATE, build, exchange_step, stride
+from adcs.library.trigo.catalogue import Controller, Scenario
+from adcs.library.trigo.settings import AS_MADE, AS_PRINTED
+from adcs.library.trigo.systems import BUILDERS, ESTIMATE, build, exchange_step, stride
 
 from . import trigo_reference as ref
 from .fmu_access import Component
@@ -147,7 +148,7 @@ def test_python_stepping_and_fmi_3_give_the_same_bits() -> None:
 
 @pytest.mark.parametrize("name", ["trigo-ii-mirror", "trigo-neso-wheel", "trigo-tf-mismatch"])
 def test_an_exported_system_gives_the_same_bits(tmp_path: Path, name: str) -> None:
-    build_it = {entry: make for entry, _, make in CATALOG}[name]
+    build_it = BUILDERS[name]
     expected = run(build_it(), stop_time=5.0, step=0.1)
     write_ssp(build_it(), tmp_path / "system.ssp", stop_time=5.0, step=0.1)
     file = read_ssp(tmp_path / "system.ssp")

@@ -13,9 +13,10 @@ from fmus.toolchain import compile_step, host, program_step, run_steps
 Floats = NDArray[np.float64]
 
 
-def apply(function: str, x: Floats) -> Floats:
-    """The function of every element; the names are in functions.cpp."""
-    done = subprocess.run([_program(), function], input=x.tobytes(), capture_output=True, check=True)
+def apply(function: str, *x: Floats) -> Floats:
+    """The function of every element, or of every pair or three of elements; the names are in functions.cpp."""
+    arguments = np.stack(np.broadcast_arrays(*x), axis=-1).astype(float)
+    done = subprocess.run([_program(), function], input=arguments.tobytes(), capture_output=True, check=True)
     return np.frombuffer(done.stdout)
 
 

@@ -28,8 +28,8 @@ def test_coefficients_are_those_of_their_recipe(header: str, recipe: str, values
 
 
 def test_every_polynomial_has_a_recipe() -> None:
-    uses = sum(len(re.findall(r"\bpolynomial\(\w+, \w+\)", text)) for text in HEADERS.values())
-    assert len(FITS) == uses == 4
+    uses = sum(len(re.findall(r"\bpolynomial\([\w.]+, \w+\)", text)) for text in HEADERS.values())
+    assert len(FITS) == uses == 9
 
 
 def test_parts_of_a_quarter_turn_have_156_bits() -> None:
@@ -52,6 +52,23 @@ def test_two_over_pi_has_its_bits() -> None:
     with mp.workprec(bits + 50):
         expected = int(mp.floor(mp.ldexp(2 / mp.pi, bits)))
     assert int("".join(f"{word:08x}" for word in words), 16) == expected
+
+
+def test_eighth_of_a_turn_in_two_parts() -> None:
+    line = re.search(r"double eighth_high.*;", HEADERS["arcus.hpp"])
+    assert line
+    high, low = numbers(line[0])
+    with mp.workprec(200):
+        assert abs(mp.mpf(high) + low - mp.pi / 4) < mp.mpf(2) ** -106
+    assert high.as_integer_ratio()[0].bit_length() <= 51  # times 3: 53
+
+
+@pytest.mark.parametrize("divisor", [3, 5])
+def test_fractions_of_the_logarithm_have_a_second_part(divisor: int) -> None:
+    found = {abs(number) for number in numbers(HEADERS["power.hpp"])}
+    with mp.workprec(200):
+        high = float(mp.mpf(1) / divisor)
+        assert {high, float(abs(mp.mpf(1) / divisor - high))} <= found
 
 
 def test_logarithm_of_two_in_two_parts() -> None:

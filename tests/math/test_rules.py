@@ -1,12 +1,13 @@
 """No law calls a function that the C library of each platform rounds in its own way."""
 
+import re
 import zipfile
 
 import pytest
 
 from fmus import catalog, fmu_path
 from fmus.checks.binary import imported
-from fmus.checks.functions import FUNCTIONS, called_in
+from fmus.checks.functions import FUNCTIONS, called_in, offered
 from fmus.paths import SOURCES
 from fmus.toolchain import host
 
@@ -23,6 +24,14 @@ def test_what_is_looked_for_is_found(line: str) -> None:
 )
 def test_nothing_else_is_found(line: str) -> None:
     assert not list(called_in(line))
+
+
+def test_every_function_is_in_the_table_of_the_contributing_guide() -> None:
+    text = (SOURCES.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    table = text[text.index("## Functions") : text.index("## Units")]
+    assert set(offered()) == set(
+        re.findall(r"`(\w+)\(", "".join(line.split("|")[1] for line in table.splitlines() if line[:1] == "|"))
+    )
 
 
 def test_sources_call_none_by_its_full_name() -> None:

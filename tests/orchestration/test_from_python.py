@@ -13,6 +13,7 @@ import pytest
 import adcs
 from adcs.catalogue import find_system
 from fmus import fmu_path
+from orchestration.results.error_angles import is_error_quaternion
 
 LOOP = """
 from adcs import System
@@ -237,3 +238,55 @@ def test_its_figures_are_a_panel_for_each_variable_with_angles_in_degrees(file):
         np.transpose([series.y for series in rates.series]), np.degrees(result["plant.omega_BN_B"]), rtol=1e-15
     )
     assert np.array_equal(panels["H_N"].series[2].y, result["plant.H_N"][:, 2])
+
+
+ERROR = """
+from adcs import System
+
+
+def tracking() -> System:
+    system = System("tracking", stop_time="2s", step="0.5s")
+    system.add("law", "PdTracking", {"q_BN": QUATERNION, "omega_BN_B": [0, 0, 0]})
+    for name, value in {"q_RN": [1, 0, 0, 0], "omega_RN_R": [0, 0, 0], "omegaDot_RN_R": [0, 0, 0]}.items():
+        system.set(f"law.{name}", value)
+    return system
+"""
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_quaternion_of_an_attitude_error_is_drawn_as_an_angle_and_recorded_as_it_is(file, sign):
+    half = np.radians(30.0) / 2
+    q = [sign * float(np.cos(half)), 0.0, sign * float(np.sin(half)), 0.0]
+    entry = find_system(file(ERROR.replace("QUATERNION", repr(q))))
+    result = adcs.run(entry.build())
+    (panel,) = (panel for panel in entry.figures(result) if panel.title.startswith("q_"))
+    assert (panel.title, panel.y_label) == ("q_BR as an angle", "angle of q_BR [deg]")
+    assert panel.note == (
+        "attitude error, B relative to R (unit quaternion); drawn as the angle by which it turns (scalar part first)"
+    )
+    (curve,) = panel.series
+    np.testing.assert_allclose(curve.y, 30.0, rtol=1e-14)
+    np.testing.assert_allclose(result["law.q_BR"], np.tile(q, (len(result.time), 1)), rtol=1e-15)
+
+
+UNIT = np.array([[0.5, 0.5, -0.5, 0.5], [1.0, 0.0, 0.0, 0.0]])
+
+
+@pytest.mark.parametrize(
+    ("variable", "unit", "values", "is_one"),
+    [
+        ("q_BR", "1", UNIT, True),
+        ("q_EB", None, UNIT, True),
+        ("q_BN", "1", UNIT, False),  # an attitude
+        ("q_BO", "1", UNIT, False),
+        ("q_BR", "rad", UNIT, False),
+        ("q_BR", "1", 2 * UNIT, False),
+        ("q_BR", "1", np.full((2, 4), np.nan), False),
+        ("q_BR", "1", UNIT[:, :3], False),
+        ("q_BR_est", "1", UNIT, False),
+        ("quality", "1", UNIT, False),
+        ("q_BR", "1", UNIT[:0], False),
+    ],
+)
+def test_what_is_the_quaternion_of_an_attitude_error(variable, unit, values, is_one):
+    assert is_error_quaternion(variable, unit, values) is is_one

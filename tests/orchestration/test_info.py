@@ -1,6 +1,7 @@
 """`adcs info` of what is in files."""
 
 import json
+from importlib import metadata
 
 import pytest
 from rich.console import Console
@@ -90,6 +91,30 @@ def test_nothing_is_lost_at_any_width(name, columns, monkeypatch):
             assert ("tunable" in line) == (v.variability == "tunable")
             assert " ".join(f"{x:g}" for x in v.start or ()) in words
             assert (f"{v.description} ({v.bounds})" if v.bounds else v.description) in words
+
+
+@pytest.mark.parametrize("columns", _COLUMNS)
+@pytest.mark.parametrize("name", ["SixDofOutputFeedback", "fmu", "six-dof-saturated"])
+def test_title_and_reference_are_whole_and_break_between_words(name, columns, monkeypatch):
+    _at(columns, monkeypatch)
+    path = fmus.fmu_path("SixDofOutputFeedback")
+    shown = info(path if name == "fmu" else name)
+    head = shown[: shown.index("\nVariable " if "Variable " in shown else "\nComponent ")].splitlines()
+    assert max(map(len, head)) <= int(columns or 1000)
+    told = describe("SixDofOutputFeedback")
+    expected = {
+        "SixDofOutputFeedback": [f"{told.name} (controller): {told.description}", told.reference],
+        "fmu": [f"{told.name}: {told.description}", f"made by adcs-fmus {metadata.version('adcs-fmus')}"],
+        "six-dof-saturated": [
+            f"{name}: {SYSTEMS['six-dof-saturated'].description}",
+            "start 0 s, stop 300 s, step 0.1 s",
+        ],
+    }[name]
+    assert len(told.reference) > 100
+    for text in expected:
+        assert text in " ".join(head)
+        if columns is None:
+            assert any(text in line for line in head)
 
 
 @pytest.mark.parametrize("columns", _COLUMNS)

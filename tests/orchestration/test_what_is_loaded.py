@@ -33,7 +33,7 @@ def loaded(program: str, *arguments: str, folder: Path) -> set[str]:
         ([], NUMERIC | SPECIAL | DRAWING),
         (["--help"], NUMERIC | SPECIAL | DRAWING),
         (["--version"], NUMERIC | SPECIAL | DRAWING),
-        (["list"], SPECIAL | DRAWING),
+        (["list"], NUMERIC | SPECIAL | DRAWING),
         (RUN, SPECIAL | DRAWING),
     ],
     ids=lambda value: " ".join(value[:1]) if isinstance(value, list) else "",
@@ -49,3 +49,10 @@ def test_who_watches_a_run_loads_nothing_of_it(tmp_path: Path) -> None:
     found = loaded(program, folder=tmp_path)
     assert found & (NUMERIC | SPECIAL | DRAWING | {"cyclopts", "rich", "fmus", "orchestration"}) == set()
     assert "adcs" in found
+
+
+def test_a_list_loads_no_system_of_this_project(tmp_path: Path) -> None:
+    program = PROGRAM.replace('name.partition(".")[0]', "name")
+    found = loaded(program, "list", folder=tmp_path)
+    of_systems = {"adcs.library.thakur.entries", "adcs.library.thakur.observer.systems", "orchestration.system"}
+    assert found & of_systems == set() and "adcs.library.thakur.catalogue" in found

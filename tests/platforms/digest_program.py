@@ -17,12 +17,20 @@ HERE = Path(__file__).parent
 WORK = BUILD / "digest"
 PARTS = 8  # translation units that share the components: few, because each reads Eigen; not one, because of processors
 
+EVERY_FUNCTION = HERE / "every_function.hpp"
+"""A component that calls what the project's own call, and what they do not."""
+
 WASM = Target("wasm32-wasi", "wasm32-wasi", "", ".wasm")
+
+
+def driven() -> list[Component]:
+    """The components of the program."""
+    return [*catalog.components(), catalog.find(str(EVERY_FUNCTION))]
 
 
 def sources(folder: Path) -> list[Path]:
     """The C++ files of the program; those that depend on the list of components are written into the folder."""
-    components = catalog.components()
+    components = driven()
     texts = {f"part_{i}.cpp": _part(components[i::PARTS]) for i in range(PARTS)}
     texts["components.cpp"] = _list(components)
     for name, text in texts.items():

@@ -14,7 +14,8 @@ from adcs.library.outcome import Outcome
 from adcs.library.six_dof import study
 from adcs.library.six_dof.settings import Choices, Scaling
 from adcs.library.six_dof.signals import ATTITUDE, DELTA_V, FORCE, POSITION, TORQUE, signals
-from adcs.library.six_dof.systems import CATALOG, RECORD, saturated, six_dof
+from adcs.library.six_dof.systems import BUILDERS, RECORD, saturated, six_dof
+from adcs.listed import SYSTEMS as DESCRIPTIONS
 from tests.laws.six_dof_reference import Loop, S
 
 COUPLED: dict[str, Any] = {"method": ModelExchange(rtol=1e-10, atol=1e-9), "save": Save(RECORD)}
@@ -35,10 +36,10 @@ def test_choices_that_cannot_be_judged_are_refused(changes: dict[str, Any], mess
     assert str(error.value) == message
 
 
-@pytest.mark.parametrize(("name", "description", "build"), CATALOG)
-def test_the_systems_are_registered_run_and_are_shown(name: str, description: str, build: Any) -> None:
+@pytest.mark.parametrize(("name", "build"), BUILDERS.items())
+def test_the_systems_are_registered_run_and_are_shown(name: str, build: Any) -> None:
     entry, system = SYSTEMS[name], build()
-    assert (system.name, system.description) == (name, description) == (entry.name, entry.description)
+    assert (system.name, system.description) == (name, entry.description) == (entry.name, DESCRIPTIONS[name])
     result = run_system(system, stop_time=2.0, step=0.1)
     panels = entry.figures(result)
     assert {panel.group for panel in panels} >= {"Tracking", "Control"}

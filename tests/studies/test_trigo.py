@@ -10,6 +10,7 @@ from adcs import Save, System, run
 from adcs.catalogue import STUDIES, SYSTEMS
 from adcs.library.outcome import Row
 from adcs.library.trigo import study, views
+from adcs.library.trigo.catalogue import SCENARIOS
 from adcs.library.trigo.departures import DEPARTURES, undone
 from adcs.library.trigo.metrics import Metrics, measure
 from adcs.library.trigo.printed import Cell, Run, cells
@@ -20,7 +21,6 @@ from adcs.library.trigo.settings import (
     CONTROLLERS,
     CORRECTED,
     RATES,
-    SCENARIOS,
     Choices,
     Reading,
     known_inertia,

@@ -1,13 +1,11 @@
-"""What this folder adds to the catalogue."""
+"""What this folder adds to the catalogue: light, as it is read for every list of names; `entries` has the rest."""
 
 from __future__ import annotations
 
-from adcs.library.deruiter import settings, study, systems, views
-from adcs.library.entry import StudyEntry
-from orchestration.entry import SystemEntry
-
-SYSTEMS = [
-    SystemEntry(name, description, settings.REFERENCE, build, 600.0, 0.05, views.figures, views.key_numbers)
-    for name, description, build in systems.CATALOG
-]
-STUDIES = [StudyEntry("deruiter", study.TITLE, study.SUMMARY, settings.Choices, study.run)]
+SYSTEMS = {
+    "bounded-adaptive": "adaptive tracking with guaranteed bounds, from exact states",
+    "bounded-adaptive-errors": "adaptive tracking with guaranteed bounds, from estimates that err within bounds",
+    "bounded-adaptive-observer": "adaptive tracking with guaranteed bounds, without gyro, by a rate observer",
+}
+"""What each system is in a line."""
+STUDIES = ("deruiter",)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from adcs.library.deruiter.catalogue import SYSTEMS
 from adcs.library.deruiter.design import EstimationBounds
 from adcs.library.deruiter.settings import GUIDANCE, INERTIA, OBSERVER_GAINS, OMEGA_START, Q_START, Choices
 from orchestration.system import System
@@ -22,12 +23,6 @@ RECORD = (
 )
 RECORD_ERRORS = (*RECORD, "estimate.q_EB", "estimate.rate_error_B")
 RECORD_OBSERVER = (*RECORD, "observer.omega_BN_B_est")
-
-_DESCRIPTIONS = {
-    "bounded-adaptive": "adaptive tracking with guaranteed bounds, from exact states",
-    "bounded-adaptive-errors": "adaptive tracking with guaranteed bounds, from estimates that err within bounds",
-    "bounded-adaptive-observer": "adaptive tracking with guaranteed bounds, without gyro, by a rate observer",
-}
 
 
 def exact_states(choices: Choices | None = None, *, disturbed: bool = False, dead_zone: float | None = None) -> System:
@@ -70,14 +65,16 @@ def observer(choices: Choices | None = None, *, inertia: object = INERTIA, dead_
     return system
 
 
-_BUILDERS: tuple[Callable[[], System], ...] = (exact_states, bounded_errors, observer)
-CATALOG = tuple(
-    (name, description, build) for (name, description), build in zip(_DESCRIPTIONS.items(), _BUILDERS, strict=True)
-)
+BUILDERS: dict[str, Callable[[], System]] = {
+    "bounded-adaptive": exact_states,
+    "bounded-adaptive-errors": bounded_errors,
+    "bounded-adaptive-observer": observer,
+}
+"""Every loop by the name of its system."""
 
 
 def _system(name: str) -> System:
-    return System(name, _DESCRIPTIONS[name])
+    return System(name, SYSTEMS[name])
 
 
 def _add_common(system: System, choices: Choices, dead_zone: float, disturbed: bool = True) -> None:

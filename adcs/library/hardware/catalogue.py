@@ -1,21 +1,11 @@
-"""What this folder adds to the catalogue."""
+"""What this folder adds to the catalogue: light, as it is read for every list of names; `entries` has the rest."""
 
 from __future__ import annotations
 
-from adcs.library.entry import StudyEntry
-from adcs.library.hardware import systems, views
-from orchestration.entry import SystemEntry
-
-SYSTEMS = [
-    SystemEntry(
-        "hil-spacecraft",
-        systems.DESCRIPTION,
-        "",
-        systems.hil_spacecraft,
-        60.0,
-        systems.PERIOD,
-        views.figures,
-        views.key_numbers,
-    )
-]
-STUDIES: list[StudyEntry] = []
+SYSTEMS = {
+    "hil-spacecraft": (
+        "a spacecraft in orbit with gyro, accelerometer, magnetometer and star tracker, flown from outside"
+    ),
+}
+"""What each system is in a line."""
+STUDIES: tuple[str, ...] = ()

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from math import radians
 
+from adcs.library.hardware.catalogue import SYSTEMS
 from orchestration.system import System
 
 INERTIA = ((10.0, 1.2, 0.5), (1.2, 19.0, 1.5), (0.5, 1.5, 25.0))  # kg.m2
 PERIOD = 0.004  # s, of the inertial and magnetic sensors: the 250 Hz of an autopilot's loop
 TRACKER_PERIOD = 0.1  # s
 MAX_TORQUE = 1.0  # N.m on each axis
-DESCRIPTION = "a spacecraft in orbit with gyro, accelerometer, magnetometer and star tracker, flown from outside"
 
 _STILL = (0.0, 0.0, 0.0)
 
@@ -20,7 +20,7 @@ def hil_spacecraft(seed: int = 1) -> System:
 
     `seed` is that of all sensors: sensors of different kinds draw independent noise from it.
     """
-    system = System("hil-spacecraft", DESCRIPTION)
+    system = System("hil-spacecraft", SYSTEMS["hil-spacecraft"])
     system.add(
         "plant",
         "RigidBody",

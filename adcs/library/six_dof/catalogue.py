@@ -1,13 +1,12 @@
-"""What this folder adds to the catalogue."""
+"""What this folder adds to the catalogue: light, as it is read for every list of names; `entries` has the rest."""
 
 from __future__ import annotations
 
-from adcs.library.entry import StudyEntry
-from adcs.library.six_dof import settings, study, systems, views
-from orchestration.entry import SystemEntry
-
-SYSTEMS = [
-    SystemEntry(name, description, settings.REFERENCE, build, 300.0, 0.1, views.figures, views.key_numbers)
-    for name, description, build in systems.CATALOG
-]
-STUDIES = [StudyEntry("six-dof", study.TITLE, study.SUMMARY, settings.Choices, study.run)]
+SYSTEMS = {
+    "six-dof": "Orbit and attitude tracked at once, without any velocity measurement",
+    "six-dof-saturated": (
+        "Orbit and attitude tracked at once, without any velocity measurement, force and torque limited"
+    ),
+}
+"""What each system is in a line."""
+STUDIES = ("six-dof",)

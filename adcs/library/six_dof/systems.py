@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from adcs.library.six_dof.catalogue import SYSTEMS
 from adcs.library.six_dof.settings import EARTH, GAINS, INERTIA, ORBIT, REFERENCE_RATE, Scaling, Start
 from orchestration.system import System
 
@@ -24,30 +25,24 @@ RECORD = (
     "actuator.impulse",
     "actuator.angular_impulse",
 )
-NAME, DESCRIPTION = "six-dof", "Orbit and attitude tracked at once, without any velocity measurement"
-SATURATED_NAME = "six-dof-saturated"
-SATURATED_DESCRIPTION = "Orbit and attitude tracked at once, without any velocity measurement, force and torque limited"
 
 
 def six_dof(start: Start | None = None, scaling: Scaling | None = None) -> System:
     """The loop with actuators that give what is asked for."""
-    return _loop(NAME, DESCRIPTION, start or Start(), scaling or Scaling(), 0.0, 0.0)
+    return _loop("six-dof", start or Start(), scaling or Scaling(), 0.0, 0.0)
 
 
 def saturated(max_force: float = 2.0, max_torque: float = 0.03, start: Start | None = None) -> System:
     """The loop with limited actuators [N], [N.m]."""
-    return _loop(SATURATED_NAME, SATURATED_DESCRIPTION, start or Start(), Scaling(), max_force, max_torque)
+    return _loop("six-dof-saturated", start or Start(), Scaling(), max_force, max_torque)
 
 
-CATALOG: tuple[tuple[str, str, Callable[[], System]], ...] = (
-    (NAME, DESCRIPTION, six_dof),
-    (SATURATED_NAME, SATURATED_DESCRIPTION, saturated),
-)
-"""Name, description and builder of each."""
+BUILDERS: dict[str, Callable[[], System]] = {"six-dof": six_dof, "six-dof-saturated": saturated}
+"""Both by the names of their systems."""
 
 
-def _loop(name: str, description: str, start: Start, scaling: Scaling, max_force: float, max_torque: float) -> System:
-    system = System(name, description)
+def _loop(name: str, start: Start, scaling: Scaling, max_force: float, max_torque: float) -> System:
+    system = System(name, SYSTEMS[name])
     body = {"mass": start.mass, "J_B": INERTIA, "mu": EARTH["mu"]}
     system.add("orbit", "KeplerOrbit", ORBIT)
     system.add("guidance", "SinusoidalRateReference", REFERENCE_RATE)

@@ -1,23 +1,36 @@
-"""What this folder adds to the catalogue."""
+"""What this folder adds to the catalogue: light, as it is read for every list of names; `entries` has the rest."""
 
 from __future__ import annotations
 
-from adcs.library.entry import StudyEntry
-from adcs.library.trigo import settings, study, systems, views
-from orchestration.entry import SystemEntry
+from typing import Literal
 
-SYSTEMS = [
-    SystemEntry(
-        name,
-        description,
-        settings.REFERENCE,
-        build,
-        settings.STOP_TIME,
-        1 / settings.CONTROL_RATE,
-        views.figures,
-        views.key_numbers,
-        check_step=lambda step: systems.stride(step, settings.CONTROL_RATE),
-    )
-    for name, description, build in systems.CATALOG
-]
-STUDIES = [StudyEntry("trigo", study.TITLE, study.SUMMARY, settings.Choices, study.run)]
+Controller = Literal["bs", "rbs", "tf", "neso", "ii"]
+Scenario = Literal["nominal", "mismatch", "wheel", "mirror"]
+
+LONG_NAMES: dict[Controller, str] = {
+    "bs": "standard backstepping",
+    "rbs": "robust backstepping",
+    "tf": "backstepping with tuning functions",
+    "neso": "backstepping with a nonlinear extended state observer",
+    "ii": "immersion and invariance adaptive backstepping",
+}
+SCENARIOS: dict[Scenario, str] = {
+    "nominal": "undisturbed",
+    "mismatch": "inertia known with its axes 10 deg off",
+    "wheel": "a reaction wheel saturated",
+    "mirror": "a mirror swinging in the payload",
+}
+
+
+def system_name(controller: Controller, scenario: Scenario) -> str:
+    """`trigo-bs` for the undisturbed case, `trigo-bs-wheel` and so on for the others."""
+    return f"trigo-{controller}" + ("" if scenario == "nominal" else f"-{scenario}")
+
+
+SYSTEMS = {
+    system_name(controller, scenario): f"{name[0].upper()}{name[1:]}, {disturbance}"
+    for scenario, disturbance in SCENARIOS.items()
+    for controller, name in LONG_NAMES.items()
+}
+"""What each system is in a line."""
+STUDIES = ("trigo",)

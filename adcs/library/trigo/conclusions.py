@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import degrees
 
 from adcs.library.outcome import Row, verdict
+from adcs.library.trigo.catalogue import Controller, Scenario
 from adcs.library.trigo.metrics import Metrics
 from adcs.library.trigo.printed import Run
 from adcs.library.trigo.settings import (
@@ -16,9 +17,7 @@ from adcs.library.trigo.settings import (
     CONTROLLERS,
     RATE_REQUIREMENT,
     TORQUE_LIMIT,
-    Controller,
     Reading,
-    Scenario,
 )
 
 Runs = Mapping[Run, Metrics]

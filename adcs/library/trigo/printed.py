@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from adcs.library.trigo.catalogue import Controller, Scenario
 from adcs.library.trigo.metrics import Metrics
-from adcs.library.trigo.settings import ADAPTIVE, CONTROL_RATE, CONTROLLERS, Controller, Scenario
+from adcs.library.trigo.settings import ADAPTIVE, CONTROL_RATE, CONTROLLERS
 
 Measure = Literal["entire", "steady", "scanning", "estimation", "relative estimation", "workload"]
 POINTING: tuple[Measure, ...] = ("entire", "steady", "scanning")

@@ -4,33 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from math import cos, inf, pi, radians, sin, sqrt
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from adcs.library.trigo.catalogue import Controller, Scenario
 from fmus.errors import AdcsError
 
 REFERENCE = "Thesis on robust and adaptive nonlinear attitude control of a spacecraft, chapters 8 and 9"
 
 Matrix = NDArray[np.float64]
-Controller = Literal["bs", "rbs", "tf", "neso", "ii"]
-Scenario = Literal["nominal", "mismatch", "wheel", "mirror"]
 
 CONTROLLERS: dict[Controller, str] = {"bs": "BS", "rbs": "RBS", "tf": "TF", "neso": "NESO", "ii": "I&I"}
-LONG_NAMES: dict[Controller, str] = {
-    "bs": "standard backstepping",
-    "rbs": "robust backstepping",
-    "tf": "backstepping with tuning functions",
-    "neso": "backstepping with a nonlinear extended state observer",
-    "ii": "immersion and invariance adaptive backstepping",
-}
-SCENARIOS: dict[Scenario, str] = {
-    "nominal": "undisturbed",
-    "mismatch": "inertia known with its axes 10 deg off",
-    "wheel": "a reaction wheel saturated",
-    "mirror": "a mirror swinging in the payload",
-}
 ADAPTIVE: tuple[Controller, ...] = ("tf", "neso", "ii")
 STOP_TIME = 1100.0  # s
 CONTROL_RATE = 10.0  # Hz, of Tables 9.6 to 9.16

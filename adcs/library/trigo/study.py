@@ -7,6 +7,7 @@ from math import inf, isfinite
 from typing import Any
 
 from adcs.library.outcome import Outcome, Progress, Row, Runner, Verdict, claims_table, verdict
+from adcs.library.trigo.catalogue import SCENARIOS, Scenario
 from adcs.library.trigo.conclusions import judged
 from adcs.library.trigo.departures import DEPARTURES, departures
 from adcs.library.trigo.metrics import Metrics, measure
@@ -19,10 +20,8 @@ from adcs.library.trigo.settings import (
     CORRECTED,
     RATE_REQUIREMENT,
     RATES,
-    SCENARIOS,
     Choices,
     Reading,
-    Scenario,
 )
 from adcs.library.trigo.systems import build, exchange_step, recorded, stride
 from adcs.library.trigo.views import GROUPS, reference_panels, scenario_panels, worst_requirement

@@ -8,6 +8,7 @@ from typing import get_args
 
 import numpy as np
 
+from adcs.library.trigo.catalogue import LONG_NAMES, SCENARIOS, Controller, Scenario, system_name
 from adcs.library.trigo.settings import (
     AS_MADE,
     C_1,
@@ -16,7 +17,6 @@ from adcs.library.trigo.settings import (
     DAMPING,
     II_GAIN,
     INERTIA,
-    LONG_NAMES,
     MIRROR_EULER,
     MIRROR_MASS,
     MIRROR_POSITION,
@@ -27,7 +27,6 @@ from adcs.library.trigo.settings import (
     RATE_LIMIT,
     REDUCED_II_GAIN,
     REDUCED_NESO_GAIN,
-    SCENARIOS,
     TF_GAIN,
     TORQUE_LIMIT,
     TORQUE_RATE_LIMIT,
@@ -36,9 +35,7 @@ from adcs.library.trigo.settings import (
     WHEEL_POSITION,
     WHEEL_RADIUS,
     WHEEL_SPEED,
-    Controller,
     Reading,
-    Scenario,
     Start,
     known_inertia,
     mirror_moments,
@@ -64,11 +61,6 @@ FIGURES = (
     "law.omega_c_B",
     "law.torque_B",
 )
-
-
-def system_name(controller: Controller, scenario: Scenario) -> str:
-    """`trigo-bs` for the undisturbed case, `trigo-bs-wheel` and so on for the others."""
-    return f"trigo-{controller}" + ("" if scenario == "nominal" else f"-{scenario}")
 
 
 def build(
@@ -242,13 +234,9 @@ def recorded(system: System, figures: bool = False) -> list[str]:
     return names
 
 
-CATALOG: tuple[tuple[str, str, Callable[[], System]], ...] = tuple(
-    (
-        system_name(controller, scenario),
-        f"{name[0].upper()}{name[1:]}, {disturbance}",
-        partial(build, controller, scenario),
-    )
-    for scenario, disturbance in SCENARIOS.items()
-    for controller, name in LONG_NAMES.items()
-)
-"""Name, description and builder of every controller in every scenario, at 10 Hz in the reading of the tables."""
+BUILDERS: dict[str, Callable[[], System]] = {
+    system_name(controller, scenario): partial(build, controller, scenario)
+    for scenario in SCENARIOS
+    for controller in LONG_NAMES
+}
+"""Every controller in every scenario, at 10 Hz in the reading of the tables, by the name of its system."""

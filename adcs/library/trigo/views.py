@@ -8,14 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adcs.library.attitude import norm
+from adcs.library.trigo.catalogue import Controller, Scenario
 from adcs.library.trigo.metrics import disturbance, measure, pointing_error, rate_error
 from adcs.library.trigo.settings import (
     ADAPTIVE,
     ATTITUDE_REQUIREMENT,
     CONTROLLERS,
     RATE_REQUIREMENT,
-    Controller,
-    Scenario,
 )
 from adcs.library.trigo.systems import ESTIMATE
 from orchestration.results.plots import Guide, Panel, Series, components

@@ -1,13 +1,16 @@
-"""What this folder adds to the catalogue."""
+"""What this folder adds to the catalogue: light, as it is read for every list of names; `entries` has the rest."""
 
 from __future__ import annotations
 
-from adcs.library.entry import StudyEntry
-from adcs.library.velocity_free import settings, study, systems, views
-from orchestration.entry import SystemEntry
-
-SYSTEMS = [
-    SystemEntry(name, description, settings.REFERENCE, build, 60.0, 0.01, views.figures, views.key_numbers)
-    for name, description, build in systems.CATALOG
-]
-STUDIES = [StudyEntry("velocity-free", study.TITLE, study.SUMMARY, settings.Choices, study.run)]
+SYSTEMS = {
+    "velocity-free-stabilisation": "Stabilisation without rate measurement, everything known",
+    "velocity-free-tracking": "Attitude tracking without rate measurement, everything known",
+    "velocity-free-stabilisation-uncertain": (
+        "Stabilisation without rate measurement, with measurement error and environment torque"
+    ),
+    "velocity-free-tracking-uncertain": (
+        "Attitude tracking without rate measurement, with measurement error, environment torque and wrong inertia"
+    ),
+}
+"""What each system is in a line."""
+STUDIES = ("velocity-free",)

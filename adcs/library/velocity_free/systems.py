@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from adcs.library.velocity_free.catalogue import SYSTEMS
 from adcs.library.velocity_free.settings import (
     ASSUMED_INERTIA,
     AT_REST,
@@ -21,49 +22,37 @@ RECORD = ("guidance.q_RN", "guidance.omega_RN_R", "plant.q_BN", "plant.omega_BN_
 RECORD_UNCERTAIN = (*RECORD, "tracker.q_EB", "environment.torque_B")
 
 
-STABILISATION = ("velocity-free-stabilisation", "Stabilisation without rate measurement, everything known")
-TRACKING = ("velocity-free-tracking", "Attitude tracking without rate measurement, everything known")
-UNCERTAIN_STABILISATION = (
-    "velocity-free-stabilisation-uncertain",
-    "Stabilisation without rate measurement, with measurement error and environment torque",
-)
-UNCERTAIN_TRACKING = (
-    "velocity-free-tracking-uncertain",
-    "Attitude tracking without rate measurement, with measurement error, environment torque and wrong inertia",
-)
-
-
 def stabilisation() -> System:
     """Bring the body to rest at the identity attitude, everything known."""
-    return _loop(*STABILISATION, False, None)
+    return _loop("velocity-free-stabilisation", False, None)
 
 
 def tracking() -> System:
     """Follow the swinging reference, everything known."""
-    return _loop(*TRACKING, True, None)
+    return _loop("velocity-free-tracking", True, None)
 
 
 def uncertain_stabilisation(uncertainty: Uncertainty | None = None) -> System:
     """Stabilisation with measurement error and environment torque; at rest the law uses no inertia."""
-    return _loop(*UNCERTAIN_STABILISATION, False, uncertainty or Uncertainty())
+    return _loop("velocity-free-stabilisation-uncertain", False, uncertainty or Uncertainty())
 
 
 def uncertain_tracking(uncertainty: Uncertainty | None = None) -> System:
     """Tracking with measurement error, environment torque and a wrong inertia in the law."""
-    return _loop(*UNCERTAIN_TRACKING, True, uncertainty or Uncertainty())
+    return _loop("velocity-free-tracking-uncertain", True, uncertainty or Uncertainty())
 
 
-CATALOG: tuple[tuple[str, str, Callable[[], System]], ...] = (
-    (*STABILISATION, stabilisation),
-    (*TRACKING, tracking),
-    (*UNCERTAIN_STABILISATION, uncertain_stabilisation),
-    (*UNCERTAIN_TRACKING, uncertain_tracking),
-)
-"""Name, description and builder of each."""
+BUILDERS: dict[str, Callable[[], System]] = {
+    "velocity-free-stabilisation": stabilisation,
+    "velocity-free-tracking": tracking,
+    "velocity-free-stabilisation-uncertain": uncertain_stabilisation,
+    "velocity-free-tracking-uncertain": uncertain_tracking,
+}
+"""Every loop by the name of its system."""
 
 
-def _loop(name: str, description: str, moving: bool, uncertainty: Uncertainty | None) -> System:
-    system = System(name, description)
+def _loop(name: str, moving: bool, uncertainty: Uncertainty | None) -> System:
+    system = System(name, SYSTEMS[name])
     system.add("guidance", "SinusoidalRateReference", REFERENCE_RATE if moving else AT_REST)
     system.add("plant", "RigidBody", {"J_B": INERTIA, **START})
     # sigma(0) is the error quaternion at the start; the reference starts at the identity

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.errors import AdcsError, shown
+from fmus.nearby import not_opened
 from orchestration.plan.lowering import Floats
 
 
@@ -46,7 +47,7 @@ def read_table(path: Path, *, header: bool) -> tuple[list[str], Floats]:
                     )
                 numbers.extend(map(float, row))
     except OSError as error:
-        raise AdcsError(f"cannot open {path}: {error.strerror or error}") from error
+        raise not_opened(path, error) from error
     except UnicodeDecodeError:
         raise AdcsError(f"{path} is not a text file in UTF-8: save it so") from None
     except csv.Error as error:  # a cell without end, mostly because of a lost quotation mark

@@ -7,6 +7,7 @@ from typing import Any
 
 from adcs.library.thakur.adaptive import settings as settings
 from adcs.library.thakur.adaptive.settings import Reading
+from adcs.library.thakur.catalogue import SYSTEMS
 from orchestration.system import System
 
 RECORD = (
@@ -20,67 +21,56 @@ RECORD = (
 )
 RECORD_VARIABLE = (*RECORD, "plant.J_B")
 
-DESCRIPTIONS = {
-    "adaptive-baseline": "the adaptive law with known inertia on a rigid body",
-    "comparison-baseline": "the comparison law with known inertia on a rigid body",
-    "adaptive-appendage": "adaptive tracking with moving appendages, their masses estimated",
-    "adaptive-appendage-full": "adaptive tracking with moving appendages, all of J_1 estimated",
-    "comparison-appendage": "the comparison law with moving appendages",
-    "adaptive-fuel": "adaptive tracking while fuel is lost, the diagonal of J_1 estimated",
-    "adaptive-fuel-full": "adaptive tracking while fuel is lost, all of J_1 estimated",
-    "comparison-fuel": "the comparison law while fuel is lost",
-}
-
 Body = Callable[[System], None]
 
 
 def baseline(reading: Reading = "printed") -> System:
     """The proposed law (3.20) on a rigid body with known inertia: no adaptation."""
-    system = System("adaptive-baseline", DESCRIPTIONS["adaptive-baseline"])
+    system = System("adaptive-baseline", SYSTEMS["adaptive-baseline"])
     law = {**settings.ADAPTIVE_GAINS, "gamma_1": 0.0, "theta_est": settings.THETA}
     return _closed(system, reading, _rigid, "AdaptiveTracking", law)
 
 
 def comparison_baseline(reading: Reading = "printed") -> System:
     """The comparison law (3.53) on a rigid body with known inertia: no adaptation."""
-    system = System("comparison-baseline", DESCRIPTIONS["comparison-baseline"])
+    system = System("comparison-baseline", SYSTEMS["comparison-baseline"])
     law = {**settings.COMPARISON_GAINS, "gamma": 0.0, "theta_est": settings.THETA}
     return _closed(system, reading, _rigid, "NonCertaintyEquivalenceTracking", law)
 
 
 def appendage(reading: Reading = "printed", **gains: float) -> System:
     """Adaptive tracking with moving appendages, Sec. 3.4.1; the law estimates the two masses."""
-    system = System("adaptive-appendage", DESCRIPTIONS["adaptive-appendage"])
+    system = System("adaptive-appendage", SYSTEMS["adaptive-appendage"])
     return _appendage(system, reading, "AdaptiveAppendageTracking", gains)
 
 
 def appendage_full(reading: Reading = "printed", **gains: float) -> System:
     """The same, all 18 elements of J_1 estimated."""
-    system = System("adaptive-appendage-full", DESCRIPTIONS["adaptive-appendage-full"])
+    system = System("adaptive-appendage-full", SYSTEMS["adaptive-appendage-full"])
     return _appendage(system, reading, "AdaptiveAppendageTrackingFull", gains)
 
 
 def comparison_appendage(reading: Reading = "printed") -> System:
     """The comparison law on the body with moving appendages, of which it knows nothing."""
-    system = System("comparison-appendage", DESCRIPTIONS["comparison-appendage"])
+    system = System("comparison-appendage", SYSTEMS["comparison-appendage"])
     return _closed(system, reading, _with_appendages, "NonCertaintyEquivalenceTracking", _comparison_law())
 
 
 def fuel(reading: Reading = "printed", **gains: float) -> System:
     """Adaptive tracking with fuel loss, Sec. 3.4.2; the law estimates the diagonal of J_1."""
-    system = System("adaptive-fuel", DESCRIPTIONS["adaptive-fuel"])
+    system = System("adaptive-fuel", SYSTEMS["adaptive-fuel"])
     return _fuel(system, reading, "AdaptiveFuelTracking", gains)
 
 
 def fuel_full(reading: Reading = "printed", **gains: float) -> System:
     """The same, all nine elements of J_1 estimated."""
-    system = System("adaptive-fuel-full", DESCRIPTIONS["adaptive-fuel-full"])
+    system = System("adaptive-fuel-full", SYSTEMS["adaptive-fuel-full"])
     return _fuel(system, reading, "AdaptiveFuelTrackingFull", gains)
 
 
 def comparison_fuel(reading: Reading = "printed") -> System:
     """The comparison law on the body that loses fuel, of which it knows nothing."""
-    system = System("comparison-fuel", DESCRIPTIONS["comparison-fuel"])
+    system = System("comparison-fuel", SYSTEMS["comparison-fuel"])
     return _closed(system, reading, _losing_fuel, "NonCertaintyEquivalenceTracking", _comparison_law())
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from adcs.library import attitude
 from adcs.library.thakur.gyro_free.settings import Q_RN
+from orchestration.results.error_angles import turned_by
 from orchestration.results.plots import Guide, Panel, Series, components, told_apart
 from orchestration.results.result import Result
 
@@ -73,7 +74,7 @@ def motion(result: Result) -> Motion:
     """The run of `gyro-free` or `gyro-free-full-state`."""
     q_BR = attitude.relative_quaternion(result["plant.q_BN"], Q_RN)
     # cos(phi) = (tr E - 1)/2 of the text, without its loss of digits near zero
-    angle = np.degrees(2 * np.arctan2(attitude.norm(q_BR[:, 1:]), np.abs(q_BR[:, 0])))
+    angle = np.degrees(turned_by(q_BR))
     vectors = {RATE: result["plant.omega_BN_B"], TORQUE: result["controller.torque_B"]}
     values = {ANGLE: angle, **{name: attitude.norm(vector) for name, vector in vectors.items()}}
     if "controller.z" in result.names:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from adcs.library.thakur.catalogue import SYSTEMS
 from adcs.library.thakur.gyro_free.settings import DIRECTIONS, FILTER, INERTIA, K_P, K_W, K_Z, Q_RN, WEIGHTS, Start
 from orchestration.system import System
 
@@ -24,7 +25,7 @@ def gyro_free(
 
     `half_angle` [rad], `spread`, `redraw_period` [s] and `seed` are the sensor's; `controller` replaces parameters.
     """
-    system = System("gyro-free", "attitude stabilisation from unit vectors alone")
+    system = System("gyro-free", SYSTEMS["gyro-free"])
     parameters = {"directions_N": DIRECTIONS, "weights": WEIGHTS, "q_RN": Q_RN, "k_p": K_P, "k_z": K_Z, **FILTER}
     system.add("controller", "GyroFreeStabilization", {**parameters, **(controller or {})})
     _add_common(system, start or Start(), half_angle, spread, redraw_period, seed)
@@ -40,7 +41,7 @@ def gyro_free_full_state(
     seed: int = 1,
 ) -> System:
     """The law it is compared with, which sees unit vectors and the true angular velocity."""
-    system = System("gyro-free-full-state", "attitude stabilisation from unit vectors and the true angular velocity")
+    system = System("gyro-free-full-state", SYSTEMS["gyro-free-full-state"])
     parameters = {"directions_N": DIRECTIONS, "weights": WEIGHTS, "q_RN": Q_RN, "k_p": K_P, "k_w": K_W}
     system.add("controller", "VectorPd", parameters)
     _add_common(system, start or Start(), half_angle, spread, redraw_period, seed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from adcs.library.thakur.catalogue import SYSTEMS
 from adcs.library.thakur.choices import Matrix
 from adcs.library.thakur.gyro_free.settings import DIRECTIONS, WEIGHTS
 from adcs.library.thakur.observer.settings import GUIDANCE, INERTIA, INERTIA_ERRORS, OBSERVER_GAINS, PD_GAINS, Start
@@ -23,7 +24,7 @@ def full_state_pd(
     start: Start | None = None, *, half_angle: float = 0.0, redraw_period: float = 0.1, seed: int = 1
 ) -> System:
     """PD tracking (5.1) with the true angular velocity. `half_angle` [rad] is the star tracker's."""
-    system = System("full-state-pd", "PD attitude tracking with the true angular velocity")
+    system = System("full-state-pd", SYSTEMS["full-state-pd"])
     _add_body(system, start or Start())
     _add_tracker(system, half_angle, redraw_period, seed)
     _add_controller(system, "tracker.q_BN_meas")
@@ -36,7 +37,7 @@ def observer_pd(
 ) -> System:
     """PD tracking (5.27) without gyro: the angular velocity comes from the observer (5.11)-(5.12)."""
     start = start or Start()
-    system = System("observer-pd", "PD attitude tracking without gyro, by a smooth angular velocity observer")
+    system = System("observer-pd", SYSTEMS["observer-pd"])
     _add_body(system, start)
     _add_tracker(system, half_angle, redraw_period, seed)
     _add_controller(system, "tracker.q_BN_meas")
@@ -59,7 +60,7 @@ def quest_observer_pd(
     `memory_period` [s] is how often QUEST remembers the sign of its quaternion.
     """
     start = start or Start()
-    system = System("quest-observer-pd", "PD attitude tracking by unit vectors alone: QUEST and the rate observer")
+    system = System("quest-observer-pd", SYSTEMS["quest-observer-pd"])
     _add_body(system, start)
     noise = {"half_angle": half_angle, "spread": spread, "redraw_period": redraw_period, "seed": seed}
     system.add("sensor", "UnitVectorSensor", {"directions_N": DIRECTIONS, **noise})
@@ -75,7 +76,7 @@ def quest_observer_pd(
 def observer_inertia_error(error: Matrix = INERTIA_ERRORS[0]) -> System:
     """The observer beside a body without torque, Sec. 5.4.4; `error` [kg.m2] is added to the inertia it assumes."""
     start = Start()
-    system = System("observer-inertia-error", "the rate observer with a wrong inertia, and no torque")
+    system = System("observer-inertia-error", SYSTEMS["observer-inertia-error"])
     still = (0.0, 0.0, 0.0)
     plant = {"J_B": INERTIA, "q_BN": start.q_BN, "omega_BN_B": start.omega_BN_B}
     system.add("plant", "RigidBody", {**plant, "torque_B": still, "torque_disturbance_B": still})

@@ -63,6 +63,8 @@ class Variable:
     """For each element the scalar value references it depends on during the run."""
     initial_dependencies: tuple[tuple[int, ...], ...] | None
     """The same during initialisation."""
+    items: tuple[str, ...] = ()
+    """Of an enumeration: the names of 0, 1, 2 and so on."""
     is_event: bool = False
     """Whether it is an event function, by whose sign things happen."""
     is_seed: bool = False
@@ -79,9 +81,14 @@ class Variable:
 
     @property
     def bounds(self) -> str:
-        """The range of values in a few characters: `> 0`, `≤ 1.57`, `0 … 1`, or the condition; empty if any will do."""
+        """The range of values in a few characters: `> 0`, `≤ 1.57`, `0 … 1`, `0 off, 1 on`, or the condition.
+
+        Empty if any will do.
+        """
         if self.condition is not None:
             return self.condition
+        if self.items:
+            return ", ".join(f"{number} {name}" for number, name in enumerate(self.items))
         match (self.min, self.max):
             case (None, None):
                 return ""
@@ -91,6 +98,15 @@ class Variable:
                 return f"≤ {high:g}"
             case (low, high):
                 return f"{low:g} … {high:g}"
+
+    @property
+    def start_texts(self) -> list[str]:
+        """The start values as people write them: `0.5`, `true`, the name of an item; none if it has none."""
+        if self.type == "Boolean":
+            return [str(bool(x)).lower() for x in self.start or ()]
+        if self.items:
+            return [self.items[int(x)] for x in self.start or ()]
+        return [f"{x:g}" for x in self.start or ()]
 
     @property
     def element_names(self) -> list[str]:
@@ -181,6 +197,7 @@ def _variable(item: dict[str, Any]) -> Variable:
         **{
             **item,
             "shape": tuple(item["shape"]),
+            "items": tuple(item.get("items", ())),
             "start": None if item["start"] is None else tuple(item["start"]),
             "dependencies": nested("dependencies"),
             "initial_dependencies": nested("initial_dependencies"),

@@ -56,11 +56,9 @@ def html(text: str) -> str:
 
 
 def _start(v: Variable) -> str:
-    if v.start is None:
-        return ""
-    values = [f"{x:g}" for x in v.start]
+    values = v.start_texts
     if not v.shape:
-        return values[0]
+        return "".join(values)
     width = v.shape[-1]
     rows = [", ".join(values[at : at + width]) for at in range(0, len(values), width)]
     return f"[{'; '.join(rows)}]"

@@ -21,6 +21,7 @@ _SEED = (
 )
 
 _FMI2_TYPES = {"Float64": "Real", "Int32": "Integer"}
+"""What FMI 2.0 calls the types that it has other names for."""
 
 DEFAULT_EXPERIMENT = {"startTime": "0", "stopTime": "100", "tolerance": "1e-8", "stepSize": "0.01"}
 
@@ -51,7 +52,8 @@ def fmi2(d: Description, source_files: Iterable[str] = ()) -> bytes:
             files = _add(element, "SourceFiles")
             for name in source_files:
                 _add(files, "File", {"name": name})
-    _add_common(root, d, lambda types, name: _add(_add(types, "SimpleType", name), _FMI2_TYPES["Int32"]))
+    _add_common(root, d, lambda types, kind, name: _add(_add(types, "SimpleType", name), _FMI2_TYPES.get(kind, kind)))
+    declared = _declared_types(d)
 
     scalars = [(v, i) for v in d.variables for i in range(v.size)]
     index = {v.vr + i: position for position, (v, i) in enumerate(scalars, 1)}
@@ -72,8 +74,9 @@ def fmi2(d: Description, source_files: Iterable[str] = ()) -> bytes:
         )
         _add(
             scalar,
-            _FMI2_TYPES[v.type],
-            _number_attributes(v)
+            _FMI2_TYPES.get(v.type, v.type),
+            {"declaredType": declared.get(v.vr)}
+            | _number_attributes(v)
             | {
                 "start": None if v.start is None else _literal(v, v.start[i]),
                 "derivative": None if v.derivative_of is None else index[v.derivative_of + i],
@@ -109,7 +112,8 @@ def fmi3(d: Description) -> bytes:
     }
     _add(root, "ModelExchange", flags)
     _add(root, "CoSimulation", flags | {"canHandleVariableCommunicationStepSize": True, "hasEventMode": False})
-    _add_common(root, d, lambda types, name: _add(types, "Int32Type", name))
+    _add_common(root, d, lambda types, kind, name: _add(types, f"{kind}Type", name))
+    declared = _declared_types(d)
 
     variables = _add(root, "ModelVariables")
     for v in d.variables:
@@ -125,6 +129,7 @@ def fmi3(d: Description) -> bytes:
             variables,
             v.type,
             attributes
+            | {"declaredType": declared.get(v.vr)}
             | _number_attributes(v)
             | {
                 "start": None if v.start is None else _join(_literal(v, x) for x in v.start),
@@ -194,14 +199,35 @@ def _root(d: Description, fmi_version: str, attributes: Mapping[str, object]) ->
     return root
 
 
+def _declared_types(d: Description) -> dict[int, str]:
+    """Value reference of each variable that has a declared type -> the type's name.
+
+    Enumerations of the same items are of one type, which has the name of the first, with a dot that no variable has.
+    """
+    of_items: dict[tuple[str, ...], str] = {}
+    found = {v.vr: SEED_TYPE for v in d.variables if v.is_seed}
+    for v in d.variables:
+        if v.items:
+            found[v.vr] = of_items.setdefault(v.items, f"{d.name}.{v.name}")
+    return found
+
+
 def _add_common(
-    root: etree._Element, d: Description, add_integer_type: Callable[[etree._Element, dict[str, str]], object]
+    root: etree._Element,
+    d: Description,
+    add_type: Callable[[etree._Element, str, dict[str, str]], etree._Element],
 ) -> None:
     units = _add(root, "UnitDefinitions")
     for unit in d.units:
         _add_unit(units, unit)
-    if any(v.is_seed for v in d.variables):
-        add_integer_type(_add(root, "TypeDefinitions"), {"name": SEED_TYPE, "description": _SEED})
+    names = _declared_types(d)
+    declared = {names[v.vr]: v for v in reversed(d.variables) if v.vr in names}
+    types = _add(root, "TypeDefinitions") if declared else root
+    for name, v in reversed(declared.items()):
+        about = {"description": _SEED} if v.is_seed else {}
+        element = add_type(types, v.type, {"name": name} | about)
+        for number, item in enumerate(v.items):
+            _add(element, "Item", {"name": item, "value": number})
     categories = _add(root, "LogCategories")
     for category in d.log_categories:
         _add(categories, "Category", {"name": category.name, "description": category.description})
@@ -227,7 +253,6 @@ def _description(v: Variable) -> str:
 
 def _number_attributes(v: Variable) -> dict[str, object]:
     return {
-        "declaredType": SEED_TYPE if v.is_seed else None,
         "unit": v.unit,
         "displayUnit": v.display_unit,
         "min": None if v.min is None else _literal(v, v.min),
@@ -237,7 +262,9 @@ def _number_attributes(v: Variable) -> dict[str, object]:
 
 
 def _literal(v: Variable, x: float) -> str:
-    return str(int(x)) if v.type == "Int32" else repr(float(x))
+    if v.type == "Boolean":
+        return str(bool(x)).lower()
+    return repr(float(x)) if v.type == "Float64" else str(int(x))
 
 
 def _join(items: Iterable[object]) -> str:

@@ -113,11 +113,12 @@ def _call(found: re.Match[str], about: _About) -> str:
     return f"{name}() does not take these arguments"
 
 
+_UNIT = "variable, unit::... unless it is a bool or a std::int32_t"
 _TAKEN = {
-    "input": "variable, unit::...",
-    "output": "variable, unit::...",
-    "held": "variable, unit::...",
-    "parameter": "variable, unit::... unless it is a std::int32_t",
+    "input": _UNIT,
+    "output": _UNIT,
+    "held": _UNIT,
+    "parameter": _UNIT,
     "event": "variable, unit::...",
     "sampled": "a period, and an offset if there is one",
     "seed": "a std::int32_t",

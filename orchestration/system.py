@@ -629,7 +629,7 @@ def checked_value(name: str, port: Port, value: Value) -> tuple[Any, ...]:
         _refuse_misfit(name, port, value, flat)
         return tuple(float(v) for v in flat)
     if port.type == "Boolean":
-        if array.dtype.kind != "b":
+        if array.dtype.kind not in "biu" or not np.isin(flat, (0, 1)).all():
             raise AdcsError(f"{name} = {value!r}: expected True or False")
         return tuple(bool(v) for v in flat)
     if port.type == "String":

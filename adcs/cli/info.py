@@ -17,7 +17,6 @@ from adcs.cli.printing import ERR, Json, print_json
 from fmus.build import describe
 from fmus.catalog import Component
 from fmus.demand import fmu_path, ready_made
-from fmus.describe import Variable
 from fmus.toolchain import is_installed
 from orchestration.fmu.file import Fmu, Port, open_fmu
 from orchestration.ssp.names import is_ssp
@@ -69,7 +68,10 @@ def _show_component(component: Component, as_json: bool) -> None:
     variables = [v for v in description.variables if v.causality != "independent"]
     show(
         ["Variable", "Kind", "Size", "Unit", "Start"],
-        [[v.name, _kind(v.causality, v.variability), _size(v.shape), v.unit or "", _start(v)] for v in variables],
+        [
+            [v.name, _kind(v.causality, v.variability), _size(v.shape), v.unit or "", " ".join(v.start_texts)]
+            for v in variables
+        ],
         [f"{v.description} ({v.bounds})" if v.bounds else v.description for v in variables],
     )
 
@@ -84,10 +86,6 @@ def _kind(causality: str, variability: str | None) -> str:
 
 def _size(shape: Iterable[int]) -> str:
     return " x ".join(map(str, shape))
-
-
-def _start(v: Variable) -> str:
-    return "" if v.start is None else " ".join(f"{x:g}" for x in v.start)
 
 
 def _fmu(fmu: Fmu) -> dict[str, Any]:
@@ -199,10 +197,12 @@ def _show_facts(facts: dict[str, Any]) -> None:
 
 
 def _cells(v: Mapping[str, Any]) -> list[str]:
-    start = " ".join(f"{x:g}" if isinstance(x, float) else str(x) for x in v["start"] or ())
+    names = {number: name for name, number in v.get("items", {}).items()}
+    start = " ".join(f"{x:g}" if isinstance(x, float) else str(names.get(x, x)) for x in v["start"] or ())
     return [v["name"], _kind(v["causality"], v["variability"]), v["type"], _size(v["shape"]), v["unit"] or "", start]
 
 
 def _note(v: Mapping[str, Any]) -> str:
     also = f"another name of {v['alias_of']}" if "alias_of" in v else ""
-    return ". ".join(filter(None, (also, v["description"])))
+    items = ", ".join(f"{number} {name}" for name, number in v.get("items", {}).items())
+    return ". ".join(filter(None, (also, v["description"]))) + (f" ({items})" if items else "")

@@ -2,8 +2,6 @@
 // components of a vector in N to its components in B.
 #pragma once
 
-#include <cstdint>
-
 #include "attitude/eigen.hpp"
 
 namespace adcs {
@@ -50,21 +48,18 @@ Quat<T> nearest(const Quat<T>& q, const Quat<T>& to) {
 }
 
 /// The attitude error q_BR. Laws that bring it to [1 0 0 0] turn B by less than 180 degrees if its scalar part is positive,
-/// else the long way round. With `short_way` 0 the sign is what the signs of q_BN and q_RN make it; with 1 the scalar part
+/// else the long way round. Without `short_way` the sign is what the signs of q_BN and q_RN make it; with it the scalar part
 /// is never negative.
 template <class T>
-Quat<T> attitude_error(const Quat<T>& q_BN, const Quat<T>& q_RN, std::int32_t short_way) {
+Quat<T> attitude_error(const Quat<T>& q_BN, const Quat<T>& q_RN, bool short_way) {
     const Quat<T> q_BR = relative(q_BN, q_RN);
-    return short_way != 0 && q_BR[0] < 0.0 ? Quat<T>(-q_BR) : q_BR;
+    return short_way && q_BR[0] < 0.0 ? Quat<T>(-q_BR) : q_BR;
 }
 
 /// Declares `short_way` of a law that uses attitude_error().
 template <class V>
-void declare_short_way(V& v, std::int32_t& short_way) {
-    v.parameter("short_way", short_way, "1: of the attitude error q and -q the shorter turn; 0: the sign as given")
-        .fixed()
-        .at_least(0)
-        .at_most(1);
+void declare_short_way(V& v, bool& short_way) {
+    v.parameter("short_way", short_way, "takes of the attitude error q and -q the shorter turn").fixed();
 }
 
 /// The quaternion q_BN with C(q_BN) = C(q_BR) C(q_RN).

@@ -18,7 +18,7 @@
 ///   \dot V = -k_v\,\lVert\omega_e\rVert^2 - \beta\,\lVert q_{e,v}\rVert^2$$
 ///
 /// **Sign.** The law brings $q_e$ to $[1\ 0\ 0\ 0]$, so from $q_{e0} < 0$ it turns B by more than 180 degrees though a smaller
-/// turn would do. With `short_way` 1 it takes that of $q_e$ and $-q_e$ with $q_{e0} \ge 0$. Where $q_{e0}$ passes 0, $V$ then
+/// turn would do. With `short_way` it takes that of $q_e$ and $-q_e$ with $q_{e0} \ge 0$. Where $q_{e0}$ passes 0, $V$ then
 /// jumps by $-2\,\omega_e^T J q_{e,v}$, with $q_{e,v}$ as it was before, which is downwards for a sphere, but can be upwards
 /// for other bodies; the torque jumps too.
 #pragma once

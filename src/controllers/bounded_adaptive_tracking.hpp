@@ -30,9 +30,9 @@
 ///   + \tfrac{1}{2\gamma_p}\lVert\hat\theta_p-\theta_p\rVert^2, \qquad \dot V = -k\,\lVert\tilde\omega\rVert^2$$
 ///
 /// **Sign.** The law brings $\delta\hat q$ to $[1\ 0\ 0\ 0]$, so from $\hat q_4 < 0$ it turns B by more than 180 degrees though a smaller
-/// turn would do. With `short_way` 1 it takes that of $\delta\hat q$ and $-\delta\hat q$ with $\hat q_4 \ge 0$; where $\hat q_4$ falls
+/// turn would do. With `short_way` it takes that of $\delta\hat q$ and $-\delta\hat q$ with $\hat q_4 \ge 0$; where $\hat q_4$ falls
 /// through 0, $V$ then jumps down by $2\lambda\,\hat q^T\delta\hat\omega > 0$, and the torque jumps too. The bounds of
-/// the paper are proven for `short_way` 0.
+/// the paper are proven without `short_way`.
 ///
 /// In print the projection returns $v$ instead of $y$ where it does not act, and the radii of the balls read
 /// $\sqrt{1+\varepsilon\eta}$. The law jumps at the edge of the dead zone, in the rates of the estimates only.
@@ -56,7 +56,7 @@ struct BoundedAdaptiveTracking {
     Mat3<T> J_B{{21.0, 0.0, 0.0}, {0.0, 16.5, 0.0}, {0.0, 0.0, 14.5}};
     T k = 0.3, lambda = 0.05, gamma = 20.0, gamma_p = 0.02, dead_zone = 1e-3;
     T eta = 0.35, eta_p = 0.015, epsilon = 0.1, epsilon_p = 0.1;
-    std::int32_t short_way = 0;
+    bool short_way = false;
     Vec18<T> theta_offset = Vec18<T>::Constant(0.0), thetaDot_offset = theta_offset, theta_est = theta_offset;
     Vec6<T> theta_p_offset = Vec6<T>::Constant(0.0), thetaDot_p_offset = theta_p_offset, theta_p_est = theta_p_offset;
     T theta_level = 0.0, theta_p_level = 0.0;

@@ -18,7 +18,7 @@ struct TrackingError {
     Vec3<T> s;     ///< omega_e + q_ev
 
     TrackingError(const Quat<T>& q_BN, const Vec3<T>& omega_BN_B, const Quat<T>& q_RN, const Vec3<T>& omega_RN_R,
-                  const Vec3<T>& omegaDot_RN_R, std::int32_t short_way) {
+                  const Vec3<T>& omegaDot_RN_R, bool short_way) {
         q_BR = attitude_error(q_BN, q_RN, short_way);
         const Mat3<T> C_BR = dcm(q_BR);
         const Vec3<T> omega_RN_B = C_BR * omega_RN_R;
@@ -38,7 +38,7 @@ struct CertaintyEquivalence {
     Quat<T> q_BN{1.0, 0.0, 0.0, 0.0}, q_RN{1.0, 0.0, 0.0, 0.0};
     Vec3<T> omega_BN_B{0.0, 0.0, 0.0}, omega_RN_R{0.0, 0.0, 0.0}, omegaDot_RN_R{0.0, 0.0, 0.0};
     T beta = 20.0, k_v = 24.5, gamma_1 = 60.0;
-    std::int32_t short_way = 0;
+    bool short_way = false;
     T theta_bound = 1e6, theta_margin = 1e6;  // never reached: no projection
     Vec6<T> theta_est{{21.1, 1.9, 1.4, 17.8, 2.9, 15.5}}, theta_estDot{{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}};
     Vec3<T> torque_B{0.0, 0.0, 0.0}, omega_BR_B{0.0, 0.0, 0.0};

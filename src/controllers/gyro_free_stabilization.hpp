@@ -21,8 +21,8 @@
 ///
 /// $$V(0) < k_p\left(\sum k_j - \lambda_{max}(M_0)\right)$$
 ///
-/// **The filter's start.** With `filter_at_rest` 1 it is $z(0) = -A_m^{-1}B\,\Omega(0)$, so that $\dot z(0) = 0$, taken
-/// from the first measurement; with 0 it is `z_0`. To that end the continuous state is $z - z(0)$. $P$ is solved for once,
+/// **The filter's start.** With `filter_at_rest` it is $z(0) = -A_m^{-1}B\,\Omega(0)$, so that $\dot z(0) = 0$, taken
+/// from the first measurement; without it is `z_0`. To that end the continuous state is $z - z(0)$. $P$ is solved for once,
 /// at the start.
 #pragma once
 
@@ -47,7 +47,7 @@ struct GyroFreeStabilization {
     Mat3<T> A_m{{-3.0, 0.0, 0.0}, {0.0, -10.0, 0.0}, {0.0, 0.0, -5.0}};
     Mat3<T> B{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
     Mat3<T> Q{{10.5, 0.0, 0.0}, {0.0, 10.5, 0.0}, {0.0, 0.0, 10.5}};
-    std::int32_t filter_at_rest = 1;
+    bool filter_at_rest = true;
     Vec3<T> z_0{0.0, 0.0, 0.0};
     Mat3<T> P{{1.75, 0.0, 0.0}, {0.0, 0.525, 0.0}, {0.0, 0.0, 1.05}};
     Vec3<T> z_start{0.0, 0.0, 0.0};
@@ -66,11 +66,9 @@ struct GyroFreeStabilization {
         v.parameter("A_m", A_m, unit::one_per_s, "filter matrix; its eigenvalues have negative real parts").fixed();
         v.parameter("B", B, unit::one_per_s, "filter input matrix, invertible").fixed();
         v.parameter("Q", Q, unit::one_per_s, "how V decreases").fixed().positive_definite();
-        v.parameter("filter_at_rest", filter_at_rest, "1: zDot(0) = 0, from the first measurement; 0: z(0) = z_0")
-            .fixed()
-            .at_least(0)
-            .at_most(1);
-        v.parameter("z_0", z_0, unit::one, "filter state at the start if filter_at_rest is 0").fixed();
+        v.parameter("filter_at_rest", filter_at_rest, "zDot(0) = 0, from the first measurement; else z(0) = z_0")
+            .fixed();
+        v.parameter("z_0", z_0, unit::one, "filter state at the start without filter_at_rest").fixed();
         v.sampled(once);
         v.held("P", P, unit::one, "solution of the Lyapunov equation");
         v.held("z_start", z_start, unit::one, "z(0)");
@@ -84,7 +82,7 @@ struct GyroFreeStabilization {
     void sample(const Sample& /*s*/) {
         P = lyapunov(A_m, Q);
         z_start = z_0;
-        if (filter_at_rest != 0) z_start = -A_m.inverse() * (B * error(seen(dcm(q_RN), directions_N)));
+        if (filter_at_rest) z_start = -A_m.inverse() * (B * error(seen(dcm(q_RN), directions_N)));
     }
 
     void outputs() {

@@ -11,7 +11,7 @@
 ///   \dot V_c = -k_v\,\lVert\omega_e\rVert^2$$
 ///
 /// **Sign.** The law brings $q_e$ to $[1\ 0\ 0\ 0]$, so from $q_{e0} < 0$ it turns B by more than 180 degrees though a smaller
-/// turn would do. With `short_way` 1 it takes that of $q_e$ and $-q_e$ with $q_{e0} \ge 0$; $V_c$ then has
+/// turn would do. With `short_way` it takes that of $q_e$ and $-q_e$ with $q_{e0} \ge 0$; $V_c$ then has
 /// $1 - \lvert q_{e0}\rvert$ in place of $1 - q_{e0}$ in $2 k_p (1 - q_{e0})$, its first term, and still does not jump or
 /// grow; the torque jumps by $2 k_p\,q_{e,v}$ where $q_{e0} = 0$, at which noise can keep it busy.
 #pragma once
@@ -30,7 +30,7 @@ struct PdTracking {
     Vec3<T> omega_BN_B{0.0, 0.0, 0.0}, omega_RN_R{0.0, 0.0, 0.0}, omegaDot_RN_R{0.0, 0.0, 0.0};
     Mat3<T> J_B{{10.0, 1.2, 0.5}, {1.2, 19.0, 1.5}, {0.5, 1.5, 25.0}};
     T k_p = 1.5, k_v = 5.0;
-    std::int32_t short_way = 0;
+    bool short_way = false;
     Vec3<T> torque_B{0.0, 0.0, 0.0}, omega_BR_B{0.0, 0.0, 0.0};
     Quat<T> q_BR{1.0, 0.0, 0.0, 0.0};
 

@@ -5,8 +5,6 @@
 /// $$\tau_a = e\,\tau, \qquad e \in \{0, 1\}$$
 #pragma once
 
-#include <cstdint>
-
 #include "fmi/declaration.hpp"
 
 namespace adcs {
@@ -17,16 +15,16 @@ struct TorqueSwitch {
     static constexpr auto reference = "";
 
     Vec3<T> torque_B{0.0, 0.0, 0.0}, torque_applied_B{0.0, 0.0, 0.0};
-    std::int32_t enabled = 1;
+    bool enabled = true;
 
     template <class V>
     void declare(V& v) {
         v.input("torque_B", torque_B, unit::N_m, "torque that the law asks for, in B");
-        v.parameter("enabled", enabled, "whether it is passed on (1) or not (0)").at_least(0).at_most(1);
+        v.parameter("enabled", enabled, "whether it is passed on");
         v.output("torque_applied_B", torque_applied_B, unit::N_m, "torque that is passed on, in B");
     }
 
-    void outputs() { torque_applied_B = static_cast<double>(enabled) * torque_B; }
+    void outputs() { torque_applied_B = (enabled ? 1.0 : 0.0) * torque_B; }
 };
 
 }  // namespace adcs

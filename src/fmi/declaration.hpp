@@ -14,7 +14,8 @@
 
 namespace adcs {
 
-enum class Type : std::uint8_t { float64, int32 };
+/// An enumeration is a std::int32_t in the component, a string a const char* that points to a literal.
+enum class Type : std::uint8_t { float64, int32, boolean, enumeration, string };
 enum class Causality : std::uint8_t { independent, parameter, input, output, local };
 enum class Variability : std::uint8_t { fixed, tunable, discrete, continuous };
 enum class Role : std::uint8_t { plain, state, derivative, held, seed, event };
@@ -48,9 +49,20 @@ struct Variable {
     double min = -std::numeric_limits<double>::infinity();
     double max = std::numeric_limits<double>::infinity();
     double nominal = 1.0;
-    int clock = -1;               ///< between whose instants an output is held; -1: none
-    bool wakes = false;           ///< a time at which events() is called
-    const char* wrong = nullptr;  ///< what was said of it that does not fit it
+    int clock = -1;                      ///< between whose instants an output is held; -1: none
+    bool wakes = false;                  ///< a time at which events() is called
+    const char* wrong = nullptr;         ///< what was said of it that does not fit it
+    const char* const* items = nullptr;  ///< of an enumeration: the names of 0, 1, 2, ...
+    std::uint32_t n_items = 0;
+};
+
+/// The names of an enumeration's items, of which the first is 0, the second 1, and so on.
+struct Items {
+    template <std::size_t N>
+    Items(const char* const (&items)[N])  // NOLINT(google-explicit-constructor): a declaration names the list
+        : names(items), count(static_cast<std::uint32_t>(N)) {}
+    const char* const* names;
+    std::uint32_t count;
 };
 
 /// Whether it keeps its value between samples: what sample() sets, and outputs that are held.
@@ -104,7 +116,7 @@ public:
     }
     /// When time comes to what is held, events() is called; `never` is none.
     Refine& wakes() {
-        if (v_.role != Role::held || v_.size != 1)
+        if (v_.role != Role::held || v_.size != 1 || v_.type != Type::float64)
             v_.wrong = " is no held time: only a scalar v.held(...) has .wakes()";
         return v_.wakes = true, *this;
     }
@@ -113,12 +125,17 @@ public:
     Refine& sampled(int clock = 0) {
         if (v_.role != Role::plain || v_.causality != Causality::output)
             v_.wrong = " is not what outputs() computes: only v.output(...) has .sampled()";
+        if (v_.type == Type::string) v_.wrong = " is a text, which is not held (leave .sampled() out)";
         return v_.clock = clock, *this;
     }
 
 private:
     Variable& v_;
 };
+
+/// What is declared without a unit: it takes one value after another, and has no derivative.
+template <class X>
+using WithoutUnit = std::enable_if_t<std::is_same_v<X, bool> || std::is_same_v<X, std::int32_t>>;
 
 /// The visitor handed to declare() of a component of scalar type T.
 template <class T>
@@ -133,18 +150,40 @@ public:
     Refine input(const char* name, X& x, const Unit& unit, const char* description) {
         return add(name, x, unit, description, Causality::input, Variability::continuous);
     }
+    template <class X, class = WithoutUnit<X>>
+    Refine input(const char* name, X& x, const char* description) {
+        return add(name, x, description, Causality::input, Variability::discrete);
+    }
+    Refine input(const char* name, std::int32_t& x, const Items& items, const char* description) {
+        return add(name, x, items, description, Causality::input, Variability::discrete);
+    }
     template <class X>
     Refine output(const char* name, X& x, const Unit& unit, const char* description) {
         return add(name, x, unit, description, Causality::output, Variability::continuous);
+    }
+    template <class X, class = WithoutUnit<X>>
+    Refine output(const char* name, X& x, const char* description) {
+        return add(name, x, description, Causality::output, Variability::discrete);
+    }
+    Refine output(const char* name, std::int32_t& x, const Items& items, const char* description) {
+        return add(name, x, items, description, Causality::output, Variability::discrete);
+    }
+    /// What a component wants to say. outputs() points it to literals, which are there as long as the component.
+    Refine output(const char* name, const char*& x, const char* description) {
+        return Refine(append(
+            {name, description, &unit::one, &x, 0, 0, 0, 1, Type::string, Causality::output, Variability::discrete}));
     }
     /// Tunable during a run unless .fixed().
     template <class X>
     Refine parameter(const char* name, X& x, const Unit& unit, const char* description) {
         return add(name, x, unit, description, Causality::parameter, Variability::tunable);
     }
-    Refine parameter(const char* name, std::int32_t& x, const char* description) {
-        return Refine(append(
-            {name, description, &unit::one, &x, 0, 0, 0, 1, Type::int32, Causality::parameter, Variability::tunable}));
+    template <class X, class = WithoutUnit<X>>
+    Refine parameter(const char* name, X& x, const char* description) {
+        return add(name, x, description, Causality::parameter, Variability::tunable);
+    }
+    Refine parameter(const char* name, std::int32_t& x, const Items& items, const char* description) {
+        return add(name, x, items, description, Causality::parameter, Variability::tunable);
     }
     /// The seed of what sample() draws from the component's stream. It is declared as such so that whoever puts several
     /// components of a kind into one system can tell by more than a name which parameter has to differ.
@@ -181,12 +220,34 @@ public:
     /// Set by sample() and events() only, and held in between.
     template <class X>
     Refine held(const char* name, X& x, const Unit& unit, const char* description) {
-        Refine refine = add(name, x, unit, description, Causality::local, Variability::discrete);
-        table_.variables[table_.count - 1].role = Role::held;
-        return refine;
+        return hold(add(name, x, unit, description, Causality::local, Variability::discrete));
+    }
+    template <class X, class = WithoutUnit<X>>
+    Refine held(const char* name, X& x, const char* description) {
+        return hold(add(name, x, description, Causality::local, Variability::discrete));
+    }
+    Refine held(const char* name, std::int32_t& x, const Items& items, const char* description) {
+        return hold(add(name, x, items, description, Causality::local, Variability::discrete));
     }
 
 private:
+    Refine hold(Refine refine) {
+        table_.variables[table_.count - 1].role = Role::held;
+        return refine;
+    }
+    Refine add(const char* name, bool& x, const char* description, Causality c, Variability v) {
+        return Refine(append({name, description, &unit::one, &x, 0, 0, 0, 1, Type::boolean, c, v}));
+    }
+    Refine add(const char* name, std::int32_t& x, const char* description, Causality c, Variability v) {
+        return Refine(append({name, description, &unit::one, &x, 0, 0, 0, 1, Type::int32, c, v}));
+    }
+    Refine add(const char* name, std::int32_t& x, const Items& items, const char* description, Causality c,
+               Variability v) {
+        Variable& added = append({name, description, &unit::one, &x, 0, 0, 0, 1, Type::enumeration, c, v});
+        added.items = items.names;
+        added.n_items = items.count;
+        return Refine(added);
+    }
     Refine add(const char* name, T& x, const Unit& unit, const char* description, Causality c, Variability v) {
         return Refine(append({name, description, &unit, &x, 0, 0, 0, 1, Type::float64, c, v}));
     }
@@ -215,7 +276,7 @@ private:
         } else if constexpr (!std::is_const_v<X>) {
             static_assert(!std::is_same_v<X, X>,
                           "a variable of another type than T, such as double, carries no derivatives (write T, "
-                          "Vec3<T>, Quat<T> or Mat3<T>; std::int32_t without a unit for a parameter that counts)");
+                          "Vec3<T>, Quat<T> or Mat3<T>; a bool or std::int32_t has no unit)");
         }
         return Refine(append({name, description, &unit, nullptr, 0, 0, 0, 0, Type::float64, c, v}));
     }

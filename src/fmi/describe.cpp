@@ -10,6 +10,7 @@
 #include "fmi/conditions.hpp"
 #include "fmi/instance.hpp"
 #include "fmi/token.hpp"
+#include "fmi/values.hpp"
 
 namespace {
 
@@ -84,14 +85,22 @@ void print_shape(const Variable& v) {
     print_list(dimensions, [&](std::size_t i) { std::printf("%u", extents[i]); });
 }
 
+const char* type(const Variable& v) {
+    constexpr const char* names[] = {"Float64", "Int32", "Boolean", "Enumeration", "String"};
+    return names[static_cast<int>(v.type)];
+}
+
+/// The items of an enumeration; nothing of another variable.
+void print_items(const Variable& v) {
+    print_list(v.n_items, [&](std::size_t i) { print_text(v.items[i]); });
+}
+
 void print_start(const Variable& v) {
     if (!has_start(v)) {
         std::printf("null");
         return;
     }
-    print_list(v.size, [&](std::size_t i) {
-        print_number(v.type == Type::float64 ? static_cast<double*>(v.data)[i] : static_cast<std::int32_t*>(v.data)[i]);
-    });
+    print_list(v.size, [&](std::size_t i) { print_number(number_of<double>(v, static_cast<std::uint32_t>(i))); });
 }
 
 /// Whether an unknown depends on element e of a known. What is normalised at initialization depends on all elements of it.
@@ -134,7 +143,9 @@ void print_variable(const Table& table, const Dependencies& found, const Depende
     print_field("vr", v.vr);
     print_key("shape");
     print_shape(v);
-    print_field("type", v.type == Type::float64 ? "Float64" : "Int32");
+    print_field("type", type(v));
+    print_key("items");
+    print_items(v);
     print_field("causality", causality(v));
     print_field("variability", variability(v));
     print_field("initial", initial(v));
@@ -245,6 +256,21 @@ bool are_names_right(const Table& table) {
     return true;
 }
 
+/// Whether the items of an enumeration are names, each of which is there once, and it starts as one of them.
+bool are_items_right(const Variable& v) {
+    if (v.type != Type::enumeration) return true;
+    for (std::uint32_t i = 0; i < v.n_items; ++i) {
+        if (v.items[i] == nullptr || !is_name(v.items[i]))
+            return refuse(v, "an item of ", " is no name (letters, digits and underscores)");
+        for (std::uint32_t j = 0; j < i; ++j) {
+            if (std::strcmp(v.items[i], v.items[j]) == 0)
+                return refuse(v, "two items of ", " have the same name (give one of them another)");
+        }
+    }
+    return is_item(v, number_of<double>(v, 0)) ||
+           refuse(v, "", " starts at a number that none of its items has (the first is 0)");
+}
+
 bool are_units_right(const Table& table) {
     for (const Variable& v : table) {
         if (v.type != Type::float64) continue;
@@ -290,6 +316,9 @@ bool are_functions_there(const Table& table, const Functions& has) {
     bool outputs = false, states = false, samples = has.sample, events = false;
     for (const Variable& v : table) {
         if (v.wrong != nullptr) return refuse(v, "", v.wrong);
+        if (v.type != Type::float64 && v.kind != Kind::any)
+            return refuse(v, "", " is no vector or matrix, of which alone such a condition can be");
+        if (!are_items_right(v)) return false;
         if (v.clock >= table.clocks)
             return refuse(v, "", " is sampled by a clock that is not declared (v.sampled(period) in declare())");
         samples = samples || v.clock >= 0;
@@ -322,10 +351,14 @@ bool are_functions_there(const Table& table, const Functions& has) {
 /// What no law computes: not a number, of bits of its own that arithmetic keeps but for the sign.
 constexpr std::uint64_t unset_bits = 0x7ff8'5e70'0000'0000;
 
+/// And what no law sets something else to: no item, no bool, no text.
+constexpr std::int32_t unset_integer = -0x5e70'0000;
+constexpr unsigned char unset_bool = 0x5e;
+const char* const unset_text = "unset";
+
 /// The function that runs.
 const char* running = "";
-double floats_before[Table::scalar_capacity];
-std::int32_t counts_before[Table::scalar_capacity];
+double before[Table::scalar_capacity];  // room for values of all types
 
 /// Prints by what the function that runs is found, and its name: "void outputs(", "outputs()".
 void begin_line() {
@@ -353,18 +386,52 @@ const char* only_read(const Variable& v) {
 
 /// Where the values of a variable are kept, and how many bytes they are.
 struct Kept {
-    explicit Kept(const Variable& v)
-        : before(v.type == Type::float64 ? static_cast<void*>(floats_before + v.vr) : counts_before + v.vr),
-          bytes(v.size * (v.type == Type::float64 ? sizeof(double) : sizeof(std::int32_t))) {}
+    explicit Kept(const Variable& v) : before(::before + v.vr), bytes(v.size * size_of(v.type)) {}
+    static std::size_t size_of(Type type) {
+        constexpr std::size_t sizes[] = {sizeof(double), sizeof(std::int32_t), sizeof(bool), sizeof(std::int32_t),
+                                         sizeof(const char*)};
+        return sizes[static_cast<int>(type)];
+    }
     void* before;
     std::size_t bytes;
 };
 
 bool is_set(const Variable& v) {
-    for (std::uint32_t e = 0; e < v.size; ++e) {
-        if (math::bits_of(static_cast<const double*>(v.data)[e]) << 1 == unset_bits << 1) return false;
+    switch (v.type) {
+        case Type::float64:
+            for (std::uint32_t e = 0; e < v.size; ++e) {
+                if (math::bits_of(static_cast<const double*>(v.data)[e]) << 1 == unset_bits << 1) return false;
+            }
+            return true;
+        case Type::int32:
+        case Type::enumeration:
+            return *static_cast<const std::int32_t*>(v.data) != unset_integer;
+        case Type::boolean:
+            return *static_cast<const unsigned char*>(v.data) != unset_bool;
+        case Type::string:
+            return *static_cast<const char* const*>(v.data) != unset_text &&
+                   *static_cast<const char* const*>(v.data) != nullptr;
     }
     return true;
+}
+
+void unset(const Variable& v) {
+    switch (v.type) {
+        case Type::float64:
+            for (std::uint32_t e = 0; e < v.size; ++e)
+                std::memcpy(static_cast<double*>(v.data) + e, &unset_bits, sizeof(double));
+            return;
+        case Type::int32:
+        case Type::enumeration:
+            *static_cast<std::int32_t*>(v.data) = unset_integer;
+            return;
+        case Type::boolean:
+            *static_cast<unsigned char*>(v.data) = unset_bool;
+            return;
+        case Type::string:
+            *static_cast<const char**>(v.data) = unset_text;
+            return;
+    }
 }
 
 }  // namespace
@@ -468,9 +535,7 @@ void adcs::refuse_call(const char* expected, const char* where) {
 
 void adcs::unset(const Table& table) {
     for (const Variable& v : table) {
-        if (!is_of_outputs(v) && v.role != Role::derivative) continue;
-        for (std::uint32_t e = 0; e < v.size; ++e)
-            std::memcpy(static_cast<double*>(v.data) + e, &unset_bits, sizeof(double));
+        if (is_of_outputs(v) || v.role == Role::derivative) ::unset(v);
     }
 }
 

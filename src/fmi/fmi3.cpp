@@ -22,8 +22,6 @@ void write_log(void* context, Status status, const char* category, const char* m
     }
 }
 
-fmi3Status to_fmi(Status status) { return static_cast<fmi3Status>(status); }
-
 fmi3Instance instantiate(Interface interface, fmi3String name, fmi3String token, fmi3Boolean logging,
                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback log) {
     auto* component = static_cast<Component*>(std::calloc(1, sizeof(Component)));
@@ -39,6 +37,17 @@ fmi3Instance instantiate(Interface interface, fmi3String name, fmi3String token,
     return component;
 }
 
+/// Where values are, as the instance takes them: what is not known to be a bool is looked at as a byte.
+template <class P, class Value>
+auto* passed(Value* values) {
+    if constexpr (std::is_const_v<Value>) {
+        return reinterpret_cast<const typename P::Value*>(values);
+    } else {
+        return reinterpret_cast<typename P::Value*>(values);
+    }
+}
+static_assert(sizeof(fmi3Boolean) == sizeof(fmi3::Booleans::Value));
+
 }  // namespace
 
 extern "C" {
@@ -46,8 +55,8 @@ extern "C" {
 const char* fmi3GetVersion(void) { return fmi3Version; }
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance i, fmi3Boolean on, size_t n, const fmi3String categories[]) {
-    Instance* instance = enter(i, mode_any, "fmi3SetDebugLogging");
-    return instance == nullptr ? fmi3Error : to_fmi(instance->set_debug_logging(on, n, categories));
+    return call(i, mode_any, __func__,
+                [&](Instance& instance) { return instance.set_debug_logging(on, n, categories); });
 }
 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String /*resources*/,
@@ -80,54 +89,47 @@ void fmi3FreeInstance(fmi3Instance i) {
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance i, fmi3Boolean /*toleranceDefined*/, fmi3Float64 /*tolerance*/,
                                        fmi3Float64 start, fmi3Boolean stop_defined, fmi3Float64 stop) {
-    Instance* instance = enter(i, mode_instantiated, "fmi3EnterInitializationMode");
-    if (instance == nullptr) return fmi3Error;
-    const Status status = instance->setup(stop_defined, start, stop);
-    return to_fmi(status == Status::ok ? instance->enter_initialization() : status);
+    return call(i, mode_instantiated, __func__, [&](Instance& instance) {
+        const Status status = instance.setup(stop_defined, start, stop);
+        return status == Status::ok ? instance.enter_initialization() : status;
+    });
 }
 fmi3Status fmi3ExitInitializationMode(fmi3Instance i) {
-    Instance* instance = enter(i, mode_initialization, "fmi3ExitInitializationMode");
-    return instance == nullptr ? fmi3Error : to_fmi(instance->exit_initialization());
+    return call(i, mode_initialization, __func__, [&](Instance& instance) { return instance.exit_initialization(); });
 }
 fmi3Status fmi3Terminate(fmi3Instance i) {
-    Instance* instance = enter(i, mode_running, "fmi3Terminate");
-    return instance == nullptr ? fmi3Error : to_fmi(instance->terminate());
+    return call(i, mode_running, __func__, [&](Instance& instance) { return instance.terminate(); });
 }
 fmi3Status fmi3Reset(fmi3Instance i) {
-    Instance* instance = enter(i, mode_any, "fmi3Reset");
-    return instance == nullptr ? fmi3Error : to_fmi(instance->reset());
+    return call(i, mode_any, __func__, [&](Instance& instance) { return instance.reset(); });
 }
 
-fmi3Status fmi3GetFloat64(fmi3Instance i, const fmi3ValueReference vr[], size_t n, fmi3Float64 values[],
-                          size_t n_values) {
-    Instance* instance = enter(i, mode_any, "fmi3GetFloat64");
-    return instance == nullptr ? fmi3Error
-                               : to_fmi(instance->get("fmi3GetFloat64", Addressing::arrays, vr, n, values, n_values));
-}
-fmi3Status fmi3SetFloat64(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const fmi3Float64 values[],
-                          size_t n_values) {
-    Instance* instance = enter(i, mode_settable, "fmi3SetFloat64");
-    return instance == nullptr ? fmi3Error
-                               : to_fmi(instance->set("fmi3SetFloat64", Addressing::arrays, vr, n, values, n_values));
-}
-fmi3Status fmi3GetInt32(fmi3Instance i, const fmi3ValueReference vr[], size_t n, fmi3Int32 values[], size_t n_values) {
-    Instance* instance = enter(i, mode_any, "fmi3GetInt32");
-    return instance == nullptr ? fmi3Error
-                               : to_fmi(instance->get("fmi3GetInt32", Addressing::arrays, vr, n, values, n_values));
-}
-fmi3Status fmi3SetInt32(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const fmi3Int32 values[],
-                        size_t n_values) {
-    Instance* instance = enter(i, mode_settable, "fmi3SetInt32");
-    return instance == nullptr ? fmi3Error
-                               : to_fmi(instance->set("fmi3SetInt32", Addressing::arrays, vr, n, values, n_values));
-}
+#define ADCS_VARIABLES_OF(TYPE, PASSED)                                                                          \
+    fmi3Status fmi3Get##TYPE(fmi3Instance i, const fmi3ValueReference vr[], size_t n, fmi3##TYPE values[],       \
+                             size_t n_values) {                                                                  \
+        return call(i, mode_any, __func__, [&](Instance& instance, const char* function) {                       \
+            return instance.get<Addressing::arrays, PASSED>(function, vr, n, passed<PASSED>(values), n_values);  \
+        });                                                                                                      \
+    }                                                                                                            \
+    fmi3Status fmi3Set##TYPE(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const fmi3##TYPE values[], \
+                             size_t n_values) {                                                                  \
+        return call(i, mode_settable, __func__, [&](Instance& instance, const char* function) {                  \
+            return instance.set<Addressing::arrays, PASSED>(function, vr, n, passed<PASSED>(values), n_values);  \
+        });                                                                                                      \
+    }
+ADCS_VARIABLES_OF(Float64, Floats)
+ADCS_VARIABLES_OF(Int32, Integers)
+ADCS_VARIABLES_OF(Int64, fmi3::EnumerationItems)
+ADCS_VARIABLES_OF(Boolean, fmi3::Booleans)
+ADCS_VARIABLES_OF(String, Texts)
+#undef ADCS_VARIABLES_OF
 
 #define ADCS_NO_VARIABLES_OF(TYPE)                                                                                  \
     fmi3Status fmi3Get##TYPE(fmi3Instance i, const fmi3ValueReference vr[], size_t n, fmi3##TYPE[], size_t) {       \
-        return to_fmi(none_of_type(i, "fmi3Get" #TYPE, n, vr));                                                     \
+        return none_of_type(i, __func__, n, vr);                                                                    \
     }                                                                                                               \
     fmi3Status fmi3Set##TYPE(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const fmi3##TYPE[], size_t) { \
-        return to_fmi(none_of_type(i, "fmi3Set" #TYPE, n, vr));                                                     \
+        return none_of_type(i, __func__, n, vr);                                                                    \
     }
 ADCS_NO_VARIABLES_OF(Float32)
 ADCS_NO_VARIABLES_OF(Int8)
@@ -135,86 +137,83 @@ ADCS_NO_VARIABLES_OF(UInt8)
 ADCS_NO_VARIABLES_OF(Int16)
 ADCS_NO_VARIABLES_OF(UInt16)
 ADCS_NO_VARIABLES_OF(UInt32)
-ADCS_NO_VARIABLES_OF(Int64)
 ADCS_NO_VARIABLES_OF(UInt64)
-ADCS_NO_VARIABLES_OF(Boolean)
-ADCS_NO_VARIABLES_OF(String)
 #undef ADCS_NO_VARIABLES_OF
 
 fmi3Status fmi3GetBinary(fmi3Instance i, const fmi3ValueReference vr[], size_t n, size_t[], fmi3Binary[], size_t) {
-    return to_fmi(none_of_type(i, "fmi3GetBinary", n, vr));
+    return none_of_type(i, __func__, n, vr);
 }
 fmi3Status fmi3SetBinary(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const size_t[], const fmi3Binary[],
                          size_t) {
-    return to_fmi(none_of_type(i, "fmi3SetBinary", n, vr));
+    return none_of_type(i, __func__, n, vr);
 }
 fmi3Status fmi3GetClock(fmi3Instance i, const fmi3ValueReference vr[], size_t n, fmi3Clock[]) {
-    return to_fmi(none_of_type(i, "fmi3GetClock", n, vr));
+    return none_of_type(i, __func__, n, vr);
 }
 fmi3Status fmi3SetClock(fmi3Instance i, const fmi3ValueReference vr[], size_t n, const fmi3Clock[]) {
-    return to_fmi(none_of_type(i, "fmi3SetClock", n, vr));
+    return none_of_type(i, __func__, n, vr);
 }
 
 fmi3Status fmi3GetFMUState(fmi3Instance i, fmi3FMUState* state) {
-    Instance* instance = enter(i, mode_any, "fmi3GetFMUState");
-    return instance == nullptr ? fmi3Error : to_fmi(instance->save_new("fmi3GetFMUState", state));
+    return call(i, mode_any, __func__,
+                [&](Instance& instance, const char* function) { return instance.save_new(function, state); });
 }
 fmi3Status fmi3SetFMUState(fmi3Instance i, fmi3FMUState state) {
-    Instance* instance = enter(i, mode_any, "fmi3SetFMUState");
-    return instance == nullptr ? fmi3Error : to_fmi(instance->restore("fmi3SetFMUState", state));
+    return call(i, mode_any, __func__,
+                [&](Instance& instance, const char* function) { return instance.restore(function, state); });
 }
 fmi3Status fmi3FreeFMUState(fmi3Instance /*i*/, fmi3FMUState* state) {
     Instance::free_state(state);
     return fmi3OK;
 }
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance i, fmi3FMUState /*state*/, size_t* size) {
-    Instance* instance = enter(i, mode_any, "fmi3SerializedFMUStateSize");
-    if (instance == nullptr || !given(instance, "fmi3SerializedFMUStateSize", size)) return fmi3Error;
-    *size = instance->state_size();
-    return fmi3OK;
+    return call(i, mode_any, __func__, [&](Instance& instance, const char* function) {
+        if (!given(instance, function, size)) return Status::error;
+        *size = instance.state_size();
+        return Status::ok;
+    });
 }
 fmi3Status fmi3SerializeFMUState(fmi3Instance i, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
-    Instance* instance = enter(i, mode_any, "fmi3SerializeFMUState");
-    return instance == nullptr ? fmi3Error : to_fmi(instance->serialize("fmi3SerializeFMUState", state, bytes, size));
+    return call(i, mode_any, __func__, [&](Instance& instance, const char* function) {
+        return instance.serialize(function, state, bytes, size);
+    });
 }
 fmi3Status fmi3DeserializeFMUState(fmi3Instance i, const fmi3Byte bytes[], size_t size, fmi3FMUState* state) {
-    Instance* instance = enter(i, mode_any, "fmi3DeserializeFMUState");
-    return instance == nullptr ? fmi3Error
-                               : to_fmi(instance->deserialize("fmi3DeserializeFMUState", bytes, size, state));
+    return call(i, mode_any, __func__, [&](Instance& instance, const char* function) {
+        return instance.deserialize(function, bytes, size, state);
+    });
 }
 
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance i, const fmi3ValueReference unknowns[], size_t n_unknowns,
                                         const fmi3ValueReference knowns[], size_t n_knowns, const fmi3Float64 seed[],
                                         size_t n_seed, fmi3Float64 sensitivity[], size_t n_sensitivity) {
-    Instance* instance = enter(i, mode_readable, "fmi3GetDirectionalDerivative");
-    return instance == nullptr ? fmi3Error
-                               : to_fmi(instance->differentiate("fmi3GetDirectionalDerivative", Addressing::arrays,
-                                                                unknowns, n_unknowns, knowns, n_knowns, seed, n_seed,
-                                                                sensitivity, n_sensitivity));
+    return call(i, mode_readable, __func__, [&](Instance& instance, const char* function) {
+        return instance.differentiate(function, Addressing::arrays, unknowns, n_unknowns, knowns, n_knowns, seed,
+                                      n_seed, sensitivity, n_sensitivity);
+    });
 }
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance i, const fmi3ValueReference unknowns[], size_t n_unknowns,
                                     const fmi3ValueReference knowns[], size_t n_knowns, const fmi3Float64 seed[],
                                     size_t n_seed, fmi3Float64 sensitivity[], size_t n_sensitivity) {
-    Instance* instance = enter(i, mode_readable, "fmi3GetAdjointDerivative");
-    return instance == nullptr ? fmi3Error
-                               : to_fmi(instance->differentiate_adjoint("fmi3GetAdjointDerivative", Addressing::arrays,
-                                                                        unknowns, n_unknowns, knowns, n_knowns, seed,
-                                                                        n_seed, sensitivity, n_sensitivity));
+    return call(i, mode_readable, __func__, [&](Instance& instance, const char* function) {
+        return instance.differentiate_adjoint(function, Addressing::arrays, unknowns, n_unknowns, knowns, n_knowns,
+                                              seed, n_seed, sensitivity, n_sensitivity);
+    });
 }
 fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance i, fmi3ValueReference, size_t*) {
-    return to_fmi(not_supported(i, "fmi3GetNumberOfVariableDependencies"));
+    return not_supported(i, __func__);
 }
 fmi3Status fmi3GetVariableDependencies(fmi3Instance i, fmi3ValueReference, size_t[], fmi3ValueReference[], size_t[],
                                        fmi3DependencyKind[], size_t) {
-    return to_fmi(not_supported(i, "fmi3GetVariableDependencies"));
+    return not_supported(i, __func__);
 }
 
-fmi3Status fmi3EnterConfigurationMode(fmi3Instance i) { return to_fmi(not_supported(i, "fmi3EnterConfigurationMode")); }
-fmi3Status fmi3ExitConfigurationMode(fmi3Instance i) { return to_fmi(not_supported(i, "fmi3ExitConfigurationMode")); }
+fmi3Status fmi3EnterConfigurationMode(fmi3Instance i) { return not_supported(i, __func__); }
+fmi3Status fmi3ExitConfigurationMode(fmi3Instance i) { return not_supported(i, __func__); }
 
 #define ADCS_NO_CLOCKS(FUNCTION, ...)                                                           \
     fmi3Status FUNCTION(fmi3Instance i, const fmi3ValueReference vr[], size_t n, __VA_ARGS__) { \
-        return to_fmi(none_of_type(i, #FUNCTION, n, vr));                                       \
+        return none_of_type(i, __func__, n, vr);                                                \
     }
 ADCS_NO_CLOCKS(fmi3GetIntervalDecimal, fmi3Float64[], fmi3IntervalQualifier[])
 ADCS_NO_CLOCKS(fmi3GetIntervalFraction, fmi3UInt64[], fmi3UInt64[], fmi3IntervalQualifier[])
@@ -229,99 +228,101 @@ ADCS_NO_CLOCKS(fmi3SetShiftFraction, const fmi3UInt64[], const fmi3UInt64[])
 // ------------------------------------------------------------------------------------------------ Model Exchange
 
 fmi3Status fmi3EnterEventMode(fmi3Instance i) {
-    Instance* instance = enter(i, mode_continuous | mode_event, Interface::model_exchange, "fmi3EnterEventMode");
-    return instance == nullptr ? fmi3Error : to_fmi(instance->enter_event_mode());
+    return call(i, mode_continuous | mode_event, Interface::model_exchange, __func__,
+                [&](Instance& instance) { return instance.enter_event_mode(); });
 }
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance i) {
-    return enter(i, mode_initialization | mode_event, "fmi3EvaluateDiscreteStates") == nullptr ? fmi3Error : fmi3OK;
+    return call(i, mode_initialization | mode_event, __func__, [](Instance&) { return Status::ok; });
 }
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance i, fmi3Boolean* needs_update, fmi3Boolean* terminate,
                                     fmi3Boolean* nominals_changed, fmi3Boolean* values_changed,
                                     fmi3Boolean* next_event_defined, fmi3Float64* next_event) {
-    Instance* instance = enter(i, mode_event, Interface::model_exchange, "fmi3UpdateDiscreteStates");
-    if (instance == nullptr || !given(instance, "fmi3UpdateDiscreteStates", needs_update, terminate, nominals_changed,
-                                      values_changed, next_event_defined, next_event)) {
-        return fmi3Error;
-    }
-    Discrete discrete;
-    const Status status = instance->update_discrete_states(discrete);
-    *needs_update = *terminate = *nominals_changed = fmi3False;
-    *values_changed = discrete.states_changed;
-    *next_event_defined = discrete.next_event_defined;
-    *next_event = discrete.next_event;
-    return to_fmi(status);
+    return call(i, mode_event, Interface::model_exchange, __func__, [&](Instance& instance, const char* function) {
+        if (!given(instance, function, needs_update, terminate, nominals_changed, values_changed, next_event_defined,
+                   next_event)) {
+            return Status::error;
+        }
+        Discrete discrete;
+        const Status status = instance.update_discrete_states(discrete);
+        *needs_update = *terminate = *nominals_changed = fmi3False;
+        *values_changed = discrete.states_changed;
+        *next_event_defined = discrete.next_event_defined;
+        *next_event = discrete.next_event;
+        return status;
+    });
 }
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance i) {
-    Instance* instance = enter(i, mode_event, Interface::model_exchange, "fmi3EnterContinuousTimeMode");
-    return instance == nullptr ? fmi3Error : to_fmi(instance->enter_continuous_time());
+    return call(i, mode_event, Interface::model_exchange, __func__,
+                [&](Instance& instance) { return instance.enter_continuous_time(); });
 }
 fmi3Status fmi3CompletedIntegratorStep(fmi3Instance i, fmi3Boolean /*noSetFMUStatePriorToCurrentPoint*/,
                                        fmi3Boolean* enter_event_mode, fmi3Boolean* terminate) {
-    constexpr auto function = "fmi3CompletedIntegratorStep";
-    Instance* instance = enter(i, mode_continuous, Interface::model_exchange, function);
-    if (instance == nullptr || !given(instance, function, enter_event_mode, terminate)) return fmi3Error;
-    *enter_event_mode = *terminate = fmi3False;
-    return fmi3OK;
+    return call(i, mode_continuous, Interface::model_exchange, __func__, [&](Instance& instance, const char* function) {
+        if (!given(instance, function, enter_event_mode, terminate)) return Status::error;
+        *enter_event_mode = *terminate = fmi3False;
+        return Status::ok;
+    });
 }
 fmi3Status fmi3SetTime(fmi3Instance i, fmi3Float64 time) {
-    Instance* instance = enter(i, mode_event | mode_continuous, Interface::model_exchange, "fmi3SetTime");
-    return instance == nullptr ? fmi3Error : to_fmi(instance->set_time(time));
+    return call(i, mode_event | mode_continuous, Interface::model_exchange, __func__,
+                [&](Instance& instance) { return instance.set_time(time); });
 }
 fmi3Status fmi3SetContinuousStates(fmi3Instance i, const fmi3Float64 x[], size_t n) {
-    Instance* instance = enter(i, mode_event | mode_continuous, Interface::model_exchange, "fmi3SetContinuousStates");
-    return instance == nullptr ? fmi3Error : to_fmi(instance->set_states(x, n));
+    return call(i, mode_event | mode_continuous, Interface::model_exchange, __func__,
+                [&](Instance& instance) { return instance.set_states(x, n); });
 }
 fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance i, fmi3Float64 derivatives[], size_t n) {
-    Instance* instance = enter(i, mode_readable, Interface::model_exchange, "fmi3GetContinuousStateDerivatives");
-    return instance == nullptr ? fmi3Error : to_fmi(instance->get_derivatives(derivatives, n));
+    return call(i, mode_readable, Interface::model_exchange, __func__,
+                [&](Instance& instance) { return instance.get_derivatives(derivatives, n); });
 }
 fmi3Status fmi3GetEventIndicators(fmi3Instance i, fmi3Float64 indicators[], size_t n) {
-    Instance* instance = enter(i, mode_readable, Interface::model_exchange, "fmi3GetEventIndicators");
-    return instance == nullptr ? fmi3Error : to_fmi(instance->get_event_indicators(indicators, n));
+    return call(i, mode_readable, Interface::model_exchange, __func__,
+                [&](Instance& instance) { return instance.get_event_indicators(indicators, n); });
 }
 fmi3Status fmi3GetContinuousStates(fmi3Instance i, fmi3Float64 x[], size_t n) {
-    Instance* instance = enter(i, mode_readable, Interface::model_exchange, "fmi3GetContinuousStates");
-    return instance == nullptr ? fmi3Error : to_fmi(instance->get_states(x, n));
+    return call(i, mode_readable, Interface::model_exchange, __func__,
+                [&](Instance& instance) { return instance.get_states(x, n); });
 }
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance i, fmi3Float64 nominals[], size_t n) {
-    Instance* instance = enter(i, mode_any, Interface::model_exchange, "fmi3GetNominalsOfContinuousStates");
-    return instance == nullptr ? fmi3Error : to_fmi(instance->get_nominals(nominals, n));
+    return call(i, mode_any, Interface::model_exchange, __func__,
+                [&](Instance& instance) { return instance.get_nominals(nominals, n); });
 }
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance i, size_t* n) {
-    Instance* instance = enter(i, mode_any, "fmi3GetNumberOfEventIndicators");
-    if (instance == nullptr || !given(instance, "fmi3GetNumberOfEventIndicators", n)) return fmi3Error;
-    *n = instance->event_indicators();
-    return fmi3OK;
+    return call(i, mode_any, __func__, [&](Instance& instance, const char* function) {
+        if (!given(instance, function, n)) return Status::error;
+        *n = instance.event_indicators();
+        return Status::ok;
+    });
 }
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance i, size_t* n) {
-    Instance* instance = enter(i, mode_any, "fmi3GetNumberOfContinuousStates");
-    if (instance == nullptr || !given(instance, "fmi3GetNumberOfContinuousStates", n)) return fmi3Error;
-    *n = instance->states();
-    return fmi3OK;
+    return call(i, mode_any, __func__, [&](Instance& instance, const char* function) {
+        if (!given(instance, function, n)) return Status::error;
+        *n = instance.states();
+        return Status::ok;
+    });
 }
 
 // ------------------------------------------------------------------------------------------------- Co-Simulation
 
-fmi3Status fmi3EnterStepMode(fmi3Instance i) { return to_fmi(not_supported(i, "fmi3EnterStepMode")); }
+fmi3Status fmi3EnterStepMode(fmi3Instance i) { return not_supported(i, __func__); }
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance i, const fmi3ValueReference[], size_t, const fmi3Int32[],
                                     fmi3Float64[], size_t) {
-    return to_fmi(not_supported(i, "fmi3GetOutputDerivatives"));
+    return not_supported(i, __func__);
 }
 fmi3Status fmi3DoStep(fmi3Instance i, fmi3Float64 time, fmi3Float64 step,
                       fmi3Boolean /*noSetFMUStatePriorToCurrentPoint*/, fmi3Boolean* event_needed,
                       fmi3Boolean* terminate, fmi3Boolean* early_return, fmi3Float64* last_successful_time) {
-    Instance* instance = enter(i, mode_step, Interface::co_simulation, "fmi3DoStep");
-    if (instance == nullptr ||
-        !given(instance, "fmi3DoStep", event_needed, terminate, early_return, last_successful_time)) {
-        return fmi3Error;
-    }
-    const Status status = instance->do_step(time, step);
-    *event_needed = *terminate = *early_return = fmi3False;
-    *last_successful_time = instance->time();
-    return to_fmi(status);
+    return call(i, mode_step, Interface::co_simulation, __func__, [&](Instance& instance, const char* function) {
+        if (!given(instance, function, event_needed, terminate, early_return, last_successful_time))
+            return Status::error;
+        const Status status = instance.do_step(time, step);
+        *event_needed = *terminate = *early_return = fmi3False;
+        *last_successful_time = instance.time();
+        return status;
+    });
 }
 fmi3Status fmi3ActivateModelPartition(fmi3Instance i, fmi3ValueReference, fmi3Float64) {
-    return to_fmi(not_supported(i, "fmi3ActivateModelPartition"));
+    return not_supported(i, __func__);
 }
 
 }  // extern "C"

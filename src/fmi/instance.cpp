@@ -8,6 +8,7 @@
 
 #include "fmi/conditions.hpp"
 #include "fmi/token.hpp"
+#include "fmi/values.hpp"
 
 namespace adcs {
 namespace {
@@ -16,15 +17,35 @@ namespace {
 constexpr double spin_error_bound = 1.7453292519943296e-4;  // 0.01 deg/s
 
 double* floats(const Variable& v) { return static_cast<double*>(v.data); }
-std::int32_t* integers(const Variable& v) { return static_cast<std::int32_t*>(v.data); }
-constexpr Type type_of(double) { return Type::float64; }
-constexpr Type type_of(std::int32_t) { return Type::int32; }
+bool all_finite(const double* values, std::size_t n) {
+    double zero = 0.0;
+    for (std::size_t i = 0; i < n; ++i) zero += 0.0 * values[i];
+    return zero == 0.0;
+}
 
 template <class Value>
-bool all_finite(const Value* values, std::size_t n) {
-    double zero = 0.0;
-    for (std::size_t i = 0; i < n; ++i) zero += 0.0 * static_cast<double>(values[i]);
-    return zero == 0.0;
+double as_number(Value value) {
+    return static_cast<double>(value);
+}
+double as_number(const char* /*text*/) { return 0.0; }  // none is ever set
+
+template <class Value, class Stored>
+Value as_passed(Stored stored) {
+    return static_cast<Value>(stored);
+}
+template <>
+const char* as_passed(const char* text) {
+    return text != nullptr ? text : "";
+}
+
+/// "0 (off), 1 (on)" of an enumeration, as far as there is room.
+void list_items(const Variable& v, char* text, std::size_t size) {
+    std::size_t used = 0;
+    *text = '\0';
+    for (std::uint32_t i = 0; i < v.n_items && used < size; ++i) {
+        const int n = std::snprintf(text + used, size - used, "%s%u (%s)", i == 0 ? "" : ", ", i, v.items[i]);
+        used += static_cast<std::size_t>(n);
+    }
 }
 
 void destroy_model(Model* model) {  // made by make_model() in memory from malloc
@@ -80,7 +101,9 @@ Instance::Instance(const char* name, Interface interface, const Log& log, Model*
     for (const Variable& v : table()) {
         if (v.role == Role::state) n_states_ += v.size;
         if (is_held(v)) n_held_ += v.size;
-        if (v.causality == Causality::output) n_outputs_ += v.size;
+        if (v.causality == Causality::output && v.type == Type::float64) n_outputs_ += v.size;
+        has_enumerations_ = has_enumerations_ || v.type == Type::enumeration;
+        has_texts_ = has_texts_ || v.type == Type::string;
         if (v.causality == Causality::input && v.kind != Kind::any) ++n_checked_inputs_;
         if (v.role == Role::state && v.kind == Kind::unit_quaternion) ++n_unit_states_;
         if (v.role == Role::event) ++n_events_;
@@ -123,21 +146,21 @@ Instance::Instance(const char* name, Interface interface, const Log& log, Model*
         const bool running = input || (parameter && v.variability == Variability::tunable);
         if (input && v.kind != Kind::any) checked_inputs_[checked_input++] = &v;
         if (v.role == Role::state && v.kind == Kind::unit_quaternion) unit_states_[unit_state++] = {&v, state};
+        const bool is_float = v.type == Type::float64;
         if (v.role == Role::event) events_[event++] = floats(v);
         if (v.wakes) wakes_[wake++] = floats(v);
         const bool bounded = std::isfinite(v.above) || std::isfinite(v.min) || std::isfinite(v.max);
-        const bool plain = input && v.type == Type::float64 && !bounded;
+        const bool plain = input && is_float && !bounded;
         const unsigned traits = trait_of(v.type) | (computed ? trait_computed : 0U) |
                                 (v.role == Role::derivative ? trait_rate : 0U) | (early ? trait_set_early : 0U) |
                                 (running ? trait_set_running : 0U) | (plain ? 0U : trait_not_plain) |
                                 (input && v.kind != Kind::any ? trait_checked : 0U);
         for (std::uint32_t e = 0; e < v.size; ++e) {
-            void* data =
-                v.type == Type::float64 ? static_cast<void*>(floats(v) + e) : static_cast<void*>(integers(v) + e);
+            void* data = is_float ? floats(v) + e : v.data;  // all others are scalars
             scalars_[v.vr + e] = {data, &v, e == 0 ? v.size : 0, traits};
             if (v.role == Role::state) states_[state++].x = floats(v) + e;
             if (v.role == Role::derivative) states_[rate++].rate = floats(v) + e;
-            if (v.causality == Causality::output) outputs_[output++] = floats(v) + e;
+            if (v.causality == Causality::output && is_float) outputs_[output++] = floats(v) + e;
         }
     }
     clock_time_ = floats(table().variables[0]);
@@ -337,27 +360,6 @@ const Instance::Scalar* Instance::find(const char* function, std::uint32_t vr) {
     return nullptr;
 }
 
-Status Instance::get(const char* function, Addressing a, const std::uint32_t* vrs, std::size_t n, double* values,
-                     std::size_t n_values) {
-    return a == Addressing::scalars ? get_values<Addressing::scalars>(function, vrs, n, values, n_values)
-                                    : get_values<Addressing::arrays>(function, vrs, n, values, n_values);
-}
-Status Instance::get(const char* function, Addressing a, const std::uint32_t* vrs, std::size_t n, std::int32_t* values,
-                     std::size_t n_values) {
-    return a == Addressing::scalars ? get_values<Addressing::scalars>(function, vrs, n, values, n_values)
-                                    : get_values<Addressing::arrays>(function, vrs, n, values, n_values);
-}
-Status Instance::set(const char* function, Addressing a, const std::uint32_t* vrs, std::size_t n, const double* values,
-                     std::size_t n_values) {
-    return a == Addressing::scalars ? set_values<Addressing::scalars>(function, vrs, n, values, n_values)
-                                    : set_values<Addressing::arrays>(function, vrs, n, values, n_values);
-}
-Status Instance::set(const char* function, Addressing a, const std::uint32_t* vrs, std::size_t n,
-                     const std::int32_t* values, std::size_t n_values) {
-    return a == Addressing::scalars ? set_values<Addressing::scalars>(function, vrs, n, values, n_values)
-                                    : set_values<Addressing::arrays>(function, vrs, n, values, n_values);
-}
-
 /// Whether all references are known and stand for so many values; `traits` is what any of them has.
 template <Addressing A>
 bool Instance::scan(const std::uint32_t* vrs, std::size_t n, std::size_t n_values, unsigned* traits) const {
@@ -375,13 +377,13 @@ bool Instance::scan(const std::uint32_t* vrs, std::size_t n, std::size_t n_value
 }
 
 /// What is wrong with references that are not to be read.
-template <Addressing A, class Value>
+template <Addressing A, class P>
 Status Instance::check_references(const char* function, const std::uint32_t* vrs, std::size_t n, std::size_t n_values) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < n; ++i) {
         const Scalar* s = find<A>(function, vrs[i]);
         if (s == nullptr) return Status::error;
-        if ((s->traits & trait_of(type_of(Value{}))) == 0) {
+        if ((s->traits & P::traits) == 0) {
             return error("%s: %s has another type", function, s->variable->name);
         }
         count += count_of<A>(*s);
@@ -389,14 +391,13 @@ Status Instance::check_references(const char* function, const std::uint32_t* vrs
     return count == n_values ? Status::ok : error("%s: %zu values given, %zu expected", function, n_values, count);
 }
 
-template <Addressing A, class Value>
-Status Instance::get_values(const char* function, const std::uint32_t* vrs, std::size_t n, Value* values,
-                            std::size_t n_values) {
+template <Addressing A, class P>
+Status Instance::get(const char* function, const std::uint32_t* vrs, std::size_t n, typename P::Value* values,
+                     std::size_t n_values) {
     if ((vrs == nullptr && n != 0) || (values == nullptr && n_values != 0)) return null_pointer(function);
     unsigned traits = 0;
-    const unsigned other_type = type_of(Value{}) == Type::float64 ? trait_int32 : trait_float64;
-    if (!scan<A>(vrs, n, n_values, &traits) || (traits & other_type) != 0) {
-        return check_references<A, Value>(function, vrs, n, n_values);
+    if (!scan<A>(vrs, n, n_values, &traits) || (traits & trait_types & ~P::traits) != 0) {
+        return check_references<A, P>(function, vrs, n, n_values);
     }
     if (mode_ != mode_instantiated) {  // before initialization nothing is computed yet
         if ((traits & trait_rate) != 0 && !derivatives_fresh_) {
@@ -408,8 +409,8 @@ Status Instance::get_values(const char* function, const std::uint32_t* vrs, std:
     const Scalar* scalars = scalars_;
     for (std::size_t i = 0; i < n; ++i) {
         const Scalar& s = scalars[vrs[i]];
-        const auto* from = static_cast<const Value*>(s.data);
-        for (std::uint32_t e = 0; e < count_of<A>(s); ++e) *values++ = from[e];
+        const auto* from = static_cast<const typename P::Stored*>(s.data);
+        for (std::uint32_t e = 0; e < count_of<A>(s); ++e) *values++ = as_passed<typename P::Value>(from[e]);
     }
     return Status::ok;
 }
@@ -424,10 +425,19 @@ bool Instance::may_set(const char* function, const Scalar& s) {
 }
 
 bool Instance::in_range(const char* function, const Variable& v, std::uint32_t element, double value) {
-    if (std::isfinite(value) && value > v.above && value >= v.min && value <= v.max) return true;
+    const bool is_listed = v.type == Type::enumeration ? is_item(v, value)
+                           : v.type == Type::boolean   ? value == 0.0 || value == 1.0
+                                                       : true;
+    if (std::isfinite(value) && is_listed && value > v.above && value >= v.min && value <= v.max) return true;
     char name[128];
     element_name(v, element, name, sizeof name);
-    if (!std::isfinite(value)) {
+    if (v.type == Type::enumeration) {
+        char items[256];
+        list_items(v, items, sizeof items);
+        error("%s: %s = %.17g refused: one of its items is expected, %s", function, name, value, items);
+    } else if (v.type == Type::boolean) {
+        error("%s: %s = %.17g refused: 0 or 1 is expected", function, name, value);
+    } else if (!std::isfinite(value)) {
         error("%s: %s = %g refused: a finite number is expected", function, name, value);
     } else if (!(value > v.above)) {
         error("%s: %s = %g refused: must be above %g", function, name, value, v.above);
@@ -439,50 +449,68 @@ bool Instance::in_range(const char* function, const Variable& v, std::uint32_t e
     return false;
 }
 
-template <Addressing A, class Value>
-Status Instance::check_values(const char* function, const std::uint32_t* vrs, std::size_t n, const Value* values,
-                              std::size_t n_values) {
+template <Addressing A, class P>
+Status Instance::check_values(const char* function, const std::uint32_t* vrs, std::size_t n,
+                              const typename P::Value* values, std::size_t n_values) {
     std::size_t done = 0;
     for (std::size_t i = 0; i < n; ++i) {
         const Scalar* s = find<A>(function, vrs[i]);
         if (s == nullptr) return Status::error;
         const Variable& v = *s->variable;
-        if (v.type != type_of(Value{})) return error("%s: %s has another type", function, v.name);
+        if ((s->traits & P::traits) == 0) return error("%s: %s has another type", function, v.name);
         if (!may_set(function, *s)) return Status::error;
         const std::uint32_t count = count_of<A>(*s);
         if (done + count > n_values) return error("%s: %zu values given, more expected", function, n_values);
         for (std::uint32_t e = 0; e < count; ++e) {
-            if (!in_range(function, v, vrs[i] - v.vr + e, static_cast<double>(values[done + e]))) return Status::error;
+            if (!in_range(function, v, vrs[i] - v.vr + e, as_number(values[done + e]))) return Status::error;
         }
         done += count;
     }
     return done == n_values ? Status::ok : error("%s: %zu values given, %zu expected", function, n_values, done);
 }
 
-template <Addressing A, class Value>
-Status Instance::set_values(const char* function, const std::uint32_t* vrs, std::size_t n, const Value* values,
-                            std::size_t n_values) {
+template <Addressing A, class P>
+Status Instance::set(const char* function, const std::uint32_t* vrs, std::size_t n, const typename P::Value* values,
+                     std::size_t n_values) {
     if ((vrs == nullptr && n != 0) || (values == nullptr && n_values != 0)) return null_pointer(function);
     // What an importer sets in its loop are finite values of plain inputs: nothing else needs a closer look.
     unsigned traits = 0;
-    const bool plain = type_of(Value{}) == Type::float64 && scan<A>(vrs, n, n_values, &traits) &&
-                       (traits & trait_not_plain) == 0 && all_finite(values, n_values);
+    bool plain = false;
+    if constexpr (std::is_same_v<P, Floats>) {
+        plain = scan<A>(vrs, n, n_values, &traits) && (traits & trait_not_plain) == 0 && all_finite(values, n_values);
+    }
     if (!plain) {  // all values are checked before the first one is stored
-        const Status status = check_values<A>(function, vrs, n, values, n_values);
+        const Status status = check_values<A, P>(function, vrs, n, values, n_values);
         if (status != Status::ok) return status;
         parameters_checked_ = false;
     }
     const Scalar* scalars = scalars_;
     for (std::size_t i = 0; i < n; ++i) {
         const Scalar& s = scalars[vrs[i]];
-        auto* to = static_cast<Value*>(s.data);
-        for (std::uint32_t e = 0; e < count_of<A>(s); ++e) to[e] = *values++;
+        auto* to = static_cast<typename P::Stored*>(s.data);
+        for (std::uint32_t e = 0; e < count_of<A>(s); ++e) to[e] = static_cast<typename P::Stored>(*values++);
     }
     // scan() may have given up before the end, but then everything is to be checked again
     inputs_checked_ = inputs_checked_ && plain && (traits & trait_checked) == 0;
     outputs_fresh_ = derivatives_fresh_ = false;
     return Status::ok;
 }
+
+#define ADCS_VALUES(ADDRESSING, PASSED)                                                                               \
+    template Status Instance::get<ADDRESSING, PASSED>(const char*, const std::uint32_t*, std::size_t, PASSED::Value*, \
+                                                      std::size_t);                                                   \
+    template Status Instance::set<ADDRESSING, PASSED>(const char*, const std::uint32_t*, std::size_t,                 \
+                                                      const PASSED::Value*, std::size_t);
+ADCS_VALUES(Addressing::scalars, Floats)
+ADCS_VALUES(Addressing::scalars, fmi2::IntegersAndItems)
+ADCS_VALUES(Addressing::scalars, fmi2::Booleans)
+ADCS_VALUES(Addressing::scalars, Texts)
+ADCS_VALUES(Addressing::arrays, Floats)
+ADCS_VALUES(Addressing::arrays, Integers)
+ADCS_VALUES(Addressing::arrays, fmi3::EnumerationItems)
+ADCS_VALUES(Addressing::arrays, fmi3::Booleans)
+ADCS_VALUES(Addressing::arrays, Texts)
+#undef ADCS_VALUES
 
 // --------------------------------------------------------------------------------------------------- evaluation
 
@@ -544,17 +572,32 @@ Status Instance::finite_rates() {
                        : not_finite("derivative of", [](const Variable& v) { return v.role == Role::derivative; });
 }
 Status Instance::finite_outputs() {
+    const auto concerned = [](const Variable& v) { return v.causality == Causality::output; };
     double zero = 0.0;
     for (std::size_t i = 0; i < n_outputs_; ++i) zero += 0.0 * *outputs_[i];
-    return zero == 0.0 ? Status::ok
-                       : not_finite("output", [](const Variable& v) { return v.causality == Causality::output; });
+    return zero == 0.0 ? are_items(concerned) : not_finite("output", concerned);
 }
 Status Instance::finite_held() {
+    const auto concerned = [](const Variable& v) { return v.role == Role::held; };
     double zero = 0.0;
     for (const Variable& v : table()) {
-        for (std::uint32_t e = 0; v.role == Role::held && e < v.size; ++e) zero += 0.0 * floats(v)[e];
+        if (v.type != Type::float64 || !concerned(v)) continue;
+        for (std::uint32_t e = 0; e < v.size; ++e) zero += 0.0 * floats(v)[e];
     }
-    return zero == 0.0 ? Status::ok : not_finite("sampled", [](const Variable& v) { return v.role == Role::held; });
+    return zero == 0.0 ? are_items(concerned) : not_finite("sampled", concerned);
+}
+
+/// Whether a law has set the enumerations concerned to items of theirs.
+Status Instance::are_items(bool (*concerned)(const Variable&)) {
+    if (!has_enumerations_) return Status::ok;
+    for (const Variable& v : table()) {
+        if (v.type != Type::enumeration || !concerned(v) || is_item(v, number_of<double>(v, 0))) continue;
+        char items[256];
+        list_items(v, items, sizeof items);
+        return beyond("at t = %g: %s is %g, which is none of its items: %s", time_, v.name, number_of<double>(v, 0),
+                      items);
+    }
+    return Status::ok;
 }
 
 Status Instance::evaluate() {
@@ -615,7 +658,13 @@ void Instance::undo() {
 void Instance::copy_held(double* held, bool store) {
     for (const Variable& v : table()) {
         if (!is_held(v)) continue;
-        if (store) {
+        if (v.type != Type::float64) {
+            if (store) {
+                *held = number_of<double>(v, 0);
+            } else {
+                set_number<double>(v, 0, *held);
+            }
+        } else if (store) {
             std::memcpy(held, v.data, v.size * sizeof(double));
         } else {
             std::memcpy(v.data, held, v.size * sizeof(double));

@@ -15,6 +15,26 @@ enum class Interface : std::uint8_t { model_exchange, co_simulation };
 /// FMI 2 addresses scalars, FMI 3 whole arrays by the reference of their first element.
 enum class Addressing : std::uint8_t { scalars, arrays };
 
+/// How values come and go: as what an FMI function passes them, what the component has them as, and variables of which types
+/// it is for.
+template <class AsPassed, class AsStored, Type... types>
+struct Passed {
+    using Value = AsPassed;
+    using Stored = AsStored;
+    static constexpr unsigned traits = ((1U << static_cast<unsigned>(types)) | ...);
+};
+using Floats = Passed<double, double, Type::float64>;
+using Integers = Passed<std::int32_t, std::int32_t, Type::int32>;
+using Texts = Passed<const char*, const char*, Type::string>;
+namespace fmi2 {
+using IntegersAndItems = Passed<std::int32_t, std::int32_t, Type::int32, Type::enumeration>;
+using Booleans = Passed<std::int32_t, bool, Type::boolean>;
+}  // namespace fmi2
+namespace fmi3 {
+using EnumerationItems = Passed<std::int64_t, std::int32_t, Type::enumeration>;
+using Booleans = Passed<std::uint8_t, bool, Type::boolean>;  // of which a tool may pass others than 0 and 1
+}  // namespace fmi3
+
 /// Modes as bits, so that a set of allowed modes is one number.
 enum Mode : unsigned {
     mode_instantiated = 1,
@@ -74,13 +94,12 @@ public:
     Status terminate();
     Status reset();
 
-    Status get(const char* function, Addressing, const std::uint32_t* vrs, std::size_t n, double* values,
+    // Templated on the addressing so that the loops over scalars have no inner loop.
+    template <Addressing A, class P>
+    Status get(const char* function, const std::uint32_t* vrs, std::size_t n, typename P::Value* values,
                std::size_t n_values);
-    Status get(const char* function, Addressing, const std::uint32_t* vrs, std::size_t n, std::int32_t* values,
-               std::size_t n_values);
-    Status set(const char* function, Addressing, const std::uint32_t* vrs, std::size_t n, const double* values,
-               std::size_t n_values);
-    Status set(const char* function, Addressing, const std::uint32_t* vrs, std::size_t n, const std::int32_t* values,
+    template <Addressing A, class P>
+    Status set(const char* function, const std::uint32_t* vrs, std::size_t n, const typename P::Value* values,
                std::size_t n_values);
 
     Status differentiate(const char* function, Addressing, const std::uint32_t* unknowns, std::size_t n_unknowns,
@@ -140,16 +159,15 @@ private:
     void warning(const char* format, ...) ADCS_PRINTF_LIKE(2, 3);
     /// Properties of a value reference as bits, so that a loop over many can gather what any of them has.
     enum Trait : unsigned {
-        trait_float64 = 1,
-        trait_int32 = 2,
-        trait_computed = 4,      ///< an output or local
-        trait_rate = 8,          ///< a state derivative
-        trait_set_early = 16,    ///< may be set until initialization is over
-        trait_set_running = 32,  ///< may be set afterwards
-        trait_not_plain = 64,  ///< not a float64 input without bounds, to which any finite value may be set at any time
-        trait_checked = 128,   ///< input with a condition on the whole array
+        trait_types = 31,         ///< a bit for each type
+        trait_computed = 32,      ///< an output or local
+        trait_rate = 64,          ///< a state derivative
+        trait_set_early = 128,    ///< may be set until initialization is over
+        trait_set_running = 256,  ///< may be set afterwards
+        trait_not_plain = 512,    ///< not a float64 input without bounds, which takes any finite value at any time
+        trait_checked = 1024,     ///< input with a condition on the whole array
     };
-    static constexpr unsigned trait_of(Type type) { return type == Type::float64 ? trait_float64 : trait_int32; }
+    static constexpr unsigned trait_of(Type type) { return 1U << static_cast<unsigned>(type); }
     /// What the hot path needs of one value reference.
     struct Scalar {
         void* data;
@@ -168,7 +186,6 @@ private:
         const double* rate;
     };
 
-    // Templated on the addressing so that the loops over scalars have no inner loop.
     template <Addressing A>
     static std::uint32_t count_of(const Scalar& s) {
         return A == Addressing::scalars ? 1 : s.array_size;
@@ -177,17 +194,11 @@ private:
     const Scalar* find(const char* function, std::uint32_t vr);
     template <Addressing A>
     bool scan(const std::uint32_t* vrs, std::size_t n, std::size_t n_values, unsigned* traits) const;
-    template <Addressing A, class Value>
+    template <Addressing A, class P>
     Status check_references(const char* function, const std::uint32_t* vrs, std::size_t n, std::size_t n_values);
-    template <Addressing A, class Value>
-    Status check_values(const char* function, const std::uint32_t* vrs, std::size_t n, const Value* values,
+    template <Addressing A, class P>
+    Status check_values(const char* function, const std::uint32_t* vrs, std::size_t n, const typename P::Value* values,
                         std::size_t n_values);
-    template <Addressing A, class Value>
-    Status get_values(const char* function, const std::uint32_t* vrs, std::size_t n, Value* values,
-                      std::size_t n_values);
-    template <Addressing A, class Value>
-    Status set_values(const char* function, const std::uint32_t* vrs, std::size_t n, const Value* values,
-                      std::size_t n_values);
     bool may_set(const char* function, const Scalar& s);
     bool in_range(const char* function, const Variable& v, std::uint32_t element, double value);
     template <Addressing A>
@@ -241,6 +252,7 @@ private:
     Status finite_rates();
     Status finite_outputs();
     Status finite_held();
+    Status are_items(bool (*concerned)(const Variable&));
     Status finite_states(const char* way_out);
     /// The error for the first value that is not finite among the variables concerned; `way_out` may be empty.
     Status not_finite(const char* what, bool (*concerned)(const Variable&), const char* way_out = "");
@@ -258,6 +270,7 @@ private:
     Model* model_;
     char token_[40]{};
     std::size_t n_states_ = 0, n_outputs_ = 0, n_held_ = 0, n_checked_inputs_ = 0, n_unit_states_ = 0;
+    bool has_enumerations_ = false, has_texts_ = false;
     std::size_t n_events_ = 0, n_wakes_ = 0;
     // One block of memory, cut up in the constructor; where things are, so that the loop need not search the table.
     void* memory_ = nullptr;

@@ -12,6 +12,8 @@
 namespace adcs {
 
 inline double scale(double factor, double tangent) { return factor * tangent; }
+/// Told of the tangent of each number that something was decided by, which has none itself.
+inline void decided_by(double /*tangent*/) {}
 /// The same where the slope can be infinite: what does not change, such as x at a limit, has derivative 0 there, too.
 inline double scale_steeply(double slope, double tangent) { return tangent == 0.0 ? 0.0 : slope * tangent; }
 /// Of a value that is one of several: the tangent of the one that was chosen. A Trace joins it with the others.
@@ -167,6 +169,7 @@ using Dual = Lifted<double>;
 inline double value_of(double x) { return x; }
 template <class Tangent>
 double value_of(const Lifted<Tangent>& x) {
+    decided_by(x.tangent);
     return x.value;
 }
 

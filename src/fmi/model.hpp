@@ -10,6 +10,7 @@
 #include "fmi/declaration.hpp"
 #include "fmi/lifted.hpp"
 #include "fmi/shape.hpp"
+#include "fmi/values.hpp"
 
 namespace adcs {
 
@@ -152,8 +153,8 @@ public:
         X& x;
         EachHeldOutput& visitor;
     };
-    template <class X>
-    Output<X> output(const char*, X& x, const Unit&, const char*) {
+    template <class X, class... Any>
+    Output<X> output(const char*, X& x, Any&&...) {
         return {x, *this};
     }
 
@@ -162,7 +163,11 @@ private:
     void visit(X& x) {
         if constexpr (std::is_same_v<X, T>) {
             action_(x, n_++);
-        } else {
+        } else if constexpr (std::is_arithmetic_v<X>) {  // as a number, as long as it is looked at
+            T number = static_cast<double>(x);
+            action_(number, n_++);
+            x = static_cast<X>(value_of(number));
+        } else if constexpr (!std::is_pointer_v<X>) {
             for (int e = 0; e < static_cast<int>(X::SizeAtCompileTime); ++e) action_(x.data()[e], n_++);
         }
     }
@@ -304,12 +309,7 @@ public:
         for (int i = 0; i < from.count; ++i) {
             const Variable& source = from.variables[i];
             for (std::uint32_t e = 0; e < source.size; ++e) {
-                if (source.type == Type::float64) {
-                    static_cast<T*>(table_.variables[i].data)[e] = T(static_cast<const double*>(source.data)[e]);
-                } else {
-                    static_cast<std::int32_t*>(table_.variables[i].data)[e] =
-                        static_cast<const std::int32_t*>(source.data)[e];
-                }
+                set_number<T>(table_.variables[i], e, number_of<double>(source, e));
             }
         }
     }

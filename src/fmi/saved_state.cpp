@@ -8,6 +8,7 @@
 
 #include "fmi/conditions.hpp"
 #include "fmi/instance.hpp"
+#include "fmi/values.hpp"
 
 namespace adcs {
 namespace {
@@ -29,9 +30,20 @@ private:
 
 bool is_integer(double value) { return value >= -2147483648.0 && value <= 2147483647.0 && std::floor(value) == value; }
 
-double element(const Variable& v, std::uint32_t e) {
-    return v.type == Type::float64 ? static_cast<const double*>(v.data)[e]
-                                   : static_cast<double>(static_cast<const std::int32_t*>(v.data)[e]);
+/// Whether a number can be one of a variable's values, as far as its type goes.
+bool fits_type(const Variable& v, double value) {
+    switch (v.type) {
+        case Type::float64:
+            return true;
+        case Type::int32:
+        case Type::enumeration:
+            return is_integer(value);
+        case Type::boolean:
+            return value == 0.0 || value == 1.0;
+        case Type::string:
+            return value == 0.0;
+    }
+    return false;
 }
 
 bool same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
@@ -67,7 +79,7 @@ void Instance::save(std::byte* bytes) const {
     std::byte* at = bytes + sizeof header;
     for (const Variable& v : table()) {
         for (std::uint32_t e = 0; e < v.size; ++e, at += sizeof(double)) {
-            const double value = element(v, e);
+            const double value = number_of<double>(v, e);
             std::memcpy(at, &value, sizeof value);
         }
     }
@@ -78,7 +90,7 @@ void Instance::save(std::byte* bytes) const {
     std::memcpy(bytes, &header, sizeof header);
 }
 
-/// Takes over everything; the bytes have the right size, and their integers are integers.
+/// Takes over everything but texts; the bytes have the right size, and their integers are integers.
 void Instance::load(const std::byte* bytes) {
     SavedHeader header;
     std::memcpy(&header, bytes, sizeof header);
@@ -100,13 +112,7 @@ void Instance::load(const std::byte* bytes) {
     inputs_checked_ = header.inputs_checked != 0;
     Reader values(bytes + sizeof header);
     for (const Variable& v : table()) {
-        for (std::uint32_t e = 0; e < v.size; ++e) {
-            if (v.type == Type::float64) {
-                static_cast<double*>(v.data)[e] = values.next();
-            } else {
-                static_cast<std::int32_t*>(v.data)[e] = static_cast<std::int32_t>(values.next());
-            }
-        }
+        for (std::uint32_t e = 0; e < v.size; ++e) set_number<double>(v, e, values.next());
     }
     bytes += sizeof header + table().next_vr * sizeof(double);
     std::memcpy(held_, bytes, n_held_ * sizeof(double));
@@ -157,9 +163,19 @@ Status Instance::check_saved(const char* function, const void* bytes, std::size_
     for (const Variable& v : table()) {
         for (std::uint32_t e = 0; e < v.size; ++e) {
             const double value = values.next();
-            if (v.type == Type::int32 && !is_integer(value)) {
-                return error("%s: %s = %g in the saved state, but an integer is expected", function, v.name, value);
+            if (!fits_type(v, value)) {
+                return error("%s: %s = %g in the saved state, but %s is expected", function, v.name, value,
+                             v.type == Type::boolean  ? "0 or 1"
+                             : v.type == Type::string ? "0"
+                                                      : "an integer");
             }
+        }
+    }
+    for (const Variable& v : table()) {  // those before a pending sample
+        for (std::uint32_t e = 0; is_held(v) && e < v.size; ++e) {
+            const double value = values.next();
+            if (!fits_type(v, value) || (v.type == Type::enumeration && !is_item(v, value)))
+                return error("%s: a held value of the saved state is %g", function, value);
         }
     }
     return Status::ok;
@@ -176,9 +192,10 @@ Status Instance::check_loaded(const char* function) {
             (v.causality == Causality::output && outputs_fresh_) || (v.role == Role::derivative && derivatives_fresh_);
         if (!settable && !computed && v.role != Role::state && !is_held(v)) continue;
         for (std::uint32_t e = 0; e < v.size; ++e) {
-            const double value = element(v, e);
+            const double value = number_of<double>(v, e);
             const bool in_bounds = !settable || (value > v.above && value >= v.min && value <= v.max);
-            if (std::isfinite(value) && in_bounds) continue;
+            const bool is_listed = v.type != Type::enumeration || is_item(v, value);
+            if (std::isfinite(value) && in_bounds && is_listed) continue;
             char name[128];
             element_name(v, e, name, sizeof name);
             return error("%s: %s = %g in the saved state", function, name, value);
@@ -233,6 +250,8 @@ Status Instance::restore(const char* function, const void* state) {
     load(static_cast<const std::byte*>(state));
     const Status status = check_loaded(function);
     if (status != Status::ok) load(backup_);
+    // a text is no number that could be saved: the outputs, which are what they were, bring it back
+    if (status == Status::ok && outputs_fresh_ && has_texts_) model_->outputs(holding());
     return status;
 }
 

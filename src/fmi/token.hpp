@@ -28,7 +28,7 @@ private:
 
 }  // namespace detail
 
-/// Changes whenever names, types, shapes or references do.
+/// Changes whenever names, types, items, shapes or references do.
 inline void make_token(const char* name, const Table& table, char (&token)[40]) {
     detail::Hash a(0xcbf29ce484222325U), b(0x9ae16a3b2f90404fU);
     for (detail::Hash* hash : {&a, &b}) {
@@ -41,6 +41,7 @@ inline void make_token(const char* name, const Table& table, char (&token)[40]) 
                   static_cast<std::uint32_t>(v.variability), static_cast<std::uint32_t>(v.role)}) {
                 hash->add(number);
             }
+            for (std::uint32_t i = 0; i < v.n_items; ++i) hash->add(v.items[i]);
         }
     }
     std::snprintf(token, sizeof token, "{%08x-%04x-%04x-%04x-%04x%08x}", static_cast<unsigned>(a.value() >> 32),

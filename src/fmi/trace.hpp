@@ -5,9 +5,11 @@
 
 #include <array>
 #include <bitset>
+#include <cstring>
 #include <random>
 
 #include "fmi/model.hpp"
+#include "fmi/values.hpp"
 
 namespace adcs {
 
@@ -19,13 +21,20 @@ struct Bits {
     friend Bits scale_steeply(double /*slope*/, const Bits& a) { return a; }
     friend Bits chosen(const Bits& a, const Bits& other) { return a + other; }
 };
+/// What was decided by since it was emptied. A decision is no number that could carry it: what is no number itself, a
+/// Boolean output for one, may come of any of them.
+inline Bits decisions;
+inline void decided_by(const Bits& a) { decisions = decisions + a; }
 using Trace = Lifted<Bits>;
 
 /// Whether something holds, and what that depends on, which select() adds to what it chooses from.
 struct Condition {
     bool holds;
     Bits from;
-    operator bool() const { return holds; }  // NOLINT(google-explicit-constructor): laws branch on it, too
+    operator bool() const {  // NOLINT(google-explicit-constructor): laws branch on it, too
+        decided_by(from);
+        return holds;
+    }
     friend Condition operator!(const Condition& a) { return {!a.holds, a.from}; }
     friend Condition operator&&(const Condition& a, const Condition& b) {
         return {a.holds && b.holds, a.from + b.from};
@@ -49,24 +58,27 @@ Trace select(const Condition& condition, const A& a, const B& b) {
 
 using Dependencies = std::array<Bits, Table::scalar_capacity>;  // of each scalar, by value reference
 
-/// Runs a component at points around its start values, with integer parameters at their start values and at others, and
-/// with quaternions of both signs.
+/// Runs a component at points around its start values, with Booleans, integers and enumerations at their start values and
+/// at others, and with quaternions of both signs.
 template <template <class> class C>
 class Tracer {
 public:
     Tracer() {
         for (int point = 0; point < points; ++point) {
-            const Run run(point, point, none);
+            const Run run(point, point);
             for (const Variable& v : run.table) {
                 for (std::uint32_t e = 0; is_unknown(v) && e < v.size; ++e) {
-                    dependencies[v.vr + e] = dependencies[v.vr + e] + static_cast<const Trace*>(v.data)[e].tangent;
+                    const Bits& found =
+                        v.type == Type::float64 ? static_cast<const Trace*>(v.data)[e].tangent : run.decided;
+                    dependencies[v.vr + e] = dependencies[v.vr + e] + found;
                 }
             }
             // An integer has no derivative, and the index of a sample no reference: what differs, depends.
             for (const Variable& v : run.table) {
-                if (v.type == Type::int32) add(dependencies, run, Run(point, point, v.vr), v.vr);
+                for (std::uint32_t by = 1; is_chosen(v) && by < values_of(v); ++by)
+                    add(dependencies, run, Run(point, point, v.vr, by), v.vr);
             }
-            for (const std::uint32_t vr : timing_) add(at_start, run, Run(point, point + 1, none), vr);
+            for (const std::uint32_t vr : timing_) add(at_start, run, Run(point, point + 1), vr);
         }
     }
 
@@ -84,9 +96,22 @@ private:
         const std::uint32_t* end() const { return vrs + count; }
     };
 
-    /// Everything evaluated at one point; the integer parameter `changed` has its other value.
+    /// Whether it takes one value after another, and is given.
+    static bool is_chosen(const Variable& v) {
+        return v.type != Type::float64 && (v.causality == Causality::parameter || v.causality == Causality::input);
+    }
+    /// How many values of it are tried; of an integer there are two.
+    static std::uint32_t values_of(const Variable& v) { return v.type == Type::enumeration ? v.n_items : 2; }
+    /// The value that is `by` values further.
+    static double other_value(const Variable& v, std::uint32_t by) {
+        const double value = number_of<Trace>(v, 0);
+        if (v.type == Type::int32) return value + (by % 2 == 0 ? 0.0 : value < v.max ? 1.0 : -1.0);
+        return static_cast<std::uint32_t>(value + by) % values_of(v);
+    }
+
+    /// Everything evaluated at one point, where what has the reference `changed` has a value that is `by` values further.
     struct Run {
-        Run(int point, int k, std::uint32_t changed) : bound(table) {
+        Run(int point, int k, std::uint32_t changed = none, std::uint32_t by = 0) : bound(table) {
             std::mt19937 engine(static_cast<unsigned>(point) + 1);
             std::uniform_real_distribution<double> perturbation(0.0, 0.01);
             unsigned others = static_cast<unsigned>(point);  // bit by bit, what has its other value, or its other sign
@@ -96,11 +121,9 @@ private:
                 return other;
             };
             for (const Variable& v : table) {
-                if (v.type == Type::int32) {
-                    if (is_other() != (v.vr == changed))
-                        *static_cast<std::int32_t*>(v.data) += *static_cast<std::int32_t*>(v.data) < v.max ? 1 : -1;
-                    continue;
-                }
+                if (is_chosen(v))
+                    set_number<Trace>(v, 0, other_value(v, (is_other() ? 1U : 0U) + (v.vr == changed ? by : 0U)));
+                if (v.type != Type::float64) continue;
                 if (v.role == Role::derivative || v.role == Role::held) continue;
                 const bool known = v.causality == Causality::independent || v.causality == Causality::parameter ||
                                    v.causality == Causality::input || v.role == Role::state;
@@ -111,10 +134,14 @@ private:
                     x.tangent.set[v.vr + e] = true;
                 }
             }
-            bound.evaluate(all_due(bound.clocks(), k, point < points / 2), 0);
+            const Clocks clocks = all_due(bound.clocks(), k, point < points / 2);
+            decisions = {};
+            bound.evaluate(clocks, 0);
+            decided = decisions;
         }
 
         Table table;
+        Bits decided;
         detail::Bound<C, Trace> bound;
     };
 
@@ -127,16 +154,21 @@ private:
             const Variable& v = one.table.variables[i];
             if (!is_unknown(v)) continue;
             for (std::uint32_t e = 0; e < v.size; ++e) {
-                const double a = static_cast<const Trace*>(v.data)[e].value;
-                const double b = static_cast<const Trace*>(other.table.variables[i].data)[e].value;
-                if (a != b) found[v.vr + e].set[known] = true;
+                if (differs(v, other.table.variables[i], e)) found[v.vr + e].set[known] = true;
             }
         }
     }
 
+    static bool differs(const Variable& one, const Variable& other, std::uint32_t e) {
+        if (one.type == Type::string)
+            return std::strcmp(*static_cast<const char* const*>(one.data),
+                               *static_cast<const char* const*>(other.data)) != 0;
+        return number_of<Trace>(one, e) != number_of<Trace>(other, e);
+    }
+
     static Timing timing() {
         Timing found;
-        Run run(1, 0, none);
+        Run run(1, 0);
         if (run.table.clocks == 0) return found;
         found.vrs[found.count++] = 0;
         const Clocks before = run.bound.clocks();

@@ -11,8 +11,6 @@
 /// shown, with whatever sign, does not turn the body round.
 #pragma once
 
-#include <cstdint>
-
 #include "fmi/declaration.hpp"
 
 namespace adcs {
@@ -26,7 +24,7 @@ struct CommandedReference {
     Quat<T> q_SN{1.0, 0.0, 0.0, 0.0};
     Vec3<T> omega_RN_R{0.0, 0.0, 0.0}, omegaDot_RN_R{0.0, 0.0, 0.0}, omega_CN_C{0.0, 0.0, 0.0};
     Vec3<T> omega_SN_S{0.0, 0.0, 0.0}, omegaDot_SN_S{0.0, 0.0, 0.0};
-    std::int32_t engaged = 0;
+    bool engaged = false;
 
     template <class V>
     void declare(V& v) {
@@ -38,14 +36,14 @@ struct CommandedReference {
             .nominal(0.1);
         v.input("q_BN", q_BN, unit::one, "attitude of B relative to N, by which the sign of q_CN is chosen")
             .unit_quaternion();
-        v.parameter("engaged", engaged, "whether the command counts (1) or guidance (0)").at_least(0).at_most(1);
+        v.parameter("engaged", engaged, "whether the command counts, not guidance");
         v.output("q_SN", q_SN, unit::one, "attitude of the reference S relative to N").unit_quaternion();
         v.output("omega_SN_S", omega_SN_S, unit::rad_per_s, "angular velocity of S relative to N, in S").nominal(0.1);
         v.output("omegaDot_SN_S", omegaDot_SN_S, unit::rad_per_s2, "time derivative of omega_SN_S").nominal(0.1);
     }
 
     void outputs() {
-        const double e = engaged;
+        const double e = engaged ? 1.0 : 0.0;
         q_SN = (1.0 - e) * q_RN + e * nearest(q_CN, q_BN);
         omega_SN_S = (1.0 - e) * omega_RN_R + e * omega_CN_C;
         omegaDot_SN_S = (1.0 - e) * omegaDot_RN_R;

@@ -14,7 +14,7 @@
 ///   \qquad \dot V_o = -\gamma\lambda\,\lVert\tilde q_v\rVert^2$$
 ///
 /// **Sign.** The observer brings $\tilde q$ to $[1\ 0\ 0\ 0]$, so from $\tilde q_0 < 0$ the estimate turns by more than 180
-/// degrees though a smaller turn would do. With `short_way` 1 it takes that of $\tilde q$ and $-\tilde q$ with
+/// degrees though a smaller turn would do. With `short_way` it takes that of $\tilde q$ and $-\tilde q$ with
 /// $\tilde q_0 \ge 0$; $V_o$ then has $1 - \lvert\tilde q_0\rvert$ in place of $1 - \tilde q_0$ in
 /// $2\gamma(1 - \tilde q_0)$, its first term, and still does not jump or grow.
 #pragma once
@@ -33,7 +33,7 @@ struct SmoothRateObserver {
     Vec3<T> torque_B{0.0, 0.0, 0.0};
     Mat3<T> J_B{{10.0, 1.2, 0.5}, {1.2, 19.0, 1.5}, {0.5, 1.5, 25.0}};
     T lambda = 1.0, gamma = 3.0;
-    std::int32_t short_way = 0;
+    bool short_way = false;
     Quat<T> q_EN{1.0, 0.0, 0.0, 0.0}, qDot_EN{0.0, 0.0, 0.0, 0.0};
     Vec3<T> omega_EN_E{0.0, 0.0, 0.0}, omegaDot_EN_E{0.0, 0.0, 0.0};
     Vec3<T> omega_BN_B_est{0.0, 0.0, 0.0};

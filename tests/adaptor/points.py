@@ -19,19 +19,23 @@ def arrays(name: str) -> dict[str, ScalarVariable]:
     return {v.name: v for v in unpacked(name, 3)[1].modelVariables}
 
 
+def start_of(v: ScalarVariable) -> np.ndarray:
+    """Its start value; a Boolean is 0 or 1."""
+    words = v.start if isinstance(v.start, list) else v.start.split()
+    if v.type == "Boolean":
+        return np.array([word == "true" for word in words], int)
+    return np.array(words, float if v.type == "Float64" else int)
+
+
 def starts(name: str) -> dict[str, np.ndarray]:
     """Variables that have a start value: inputs, parameters, states."""
-    return {
-        v.name: np.array(v.start if isinstance(v.start, list) else v.start.split(), int if v.type == "Int32" else float)
-        for v in arrays(name).values()
-        if v.start is not None
-    }
+    return {v.name: start_of(v) for v in arrays(name).values() if v.start is not None}
 
 
 def near(rng: np.random.Generator, name: str, variable: str, start: np.ndarray) -> np.ndarray:
     """A value that the component takes; a unit quaternion is off by less than what is taken for rounded."""
     v = arrays(name)[variable]
-    if v.type == "Int32":
+    if v.type != "Float64":
         return start
     text = v.description or ""
     if text.endswith(_MATRICES):

@@ -39,7 +39,12 @@ class Raw:
             base = v.name.split("[")[0] if version == 2 else v.name
             self.references.setdefault(base, []).append(v.valueReference)
             self.sizes[base] = int(np.prod(v.shape or [1])) if version == 3 else len(self.references[base])
-        self.integers = {v.name for v in description.modelVariables if v.type in ("Integer", "Int32")}
+        enumeration = "Integer" if version == 2 else "Int64"
+        self.kinds = {
+            v.name.split("[")[0]: enumeration if v.type == "Enumeration" else v.type for v in description.modelVariables
+        }
+        self.integers = {name for name, type_ in self.kinds.items() if type_ not in ("Real", "Float64")}
+        """And whatever else is no real number."""
         self.fmu = kind(
             guid=token or description.guid or description.instantiationToken,
             unzipDirectory=folder.name,
@@ -68,13 +73,11 @@ class Raw:
 
     def set(self, name: str, value: Any) -> None:
         flat = np.atleast_1d(np.asarray(value)).ravel().tolist()
-        kind = ("Integer", "Int32") if name in self.integers else ("Real", "Float64")
-        getattr(self.fmu, f"set{kind[self.version - 2]}")(self.references[name], flat)
+        getattr(self.fmu, f"set{self.kinds[name]}")(self.references[name], flat)
 
     def get(self, name: str) -> np.ndarray:
-        if self.version == 2:
-            return np.array(self.fmu.getReal(self.references[name]))
-        return np.array(self.fmu.getFloat64(self.references[name], nValues=self.sizes[name]))
+        sizes = {} if self.version == 2 else {"nValues": self.sizes[name]}
+        return np.array(getattr(self.fmu, f"get{self.kinds[name]}")(self.references[name], **sizes))
 
     def initialize(self, start: float = 0.0, stop: float | None = None, **values: Any) -> Self:
         for name, value in values.items():

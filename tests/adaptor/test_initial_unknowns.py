@@ -43,7 +43,7 @@ def changes(raw: Raw, name: str, variable: str, index: int, base: dict[str, np.n
     """What comes of the base with one element changed by little, so that no threshold is crossed."""
     v = arrays(name)[variable]
     found = []
-    if v.type == "Int32":
+    if v.type != "Float64":
         amounts: tuple[float, ...] = (1, -1)
     elif (v.description or "").endswith(")") and v.dimensions:
         amounts = (3e-3, 1e-10)

@@ -51,6 +51,16 @@ ELSEWHERE = "there is no {0} that"
 EXPRESSED = f"(express it by {', '.join(offered())})"
 
 
+def also(member: str, declared: str, body: str = "") -> list[tuple[str, str]]:
+    """Return the changes that bring one more variable, and what outputs() does with it."""
+    modes = 'static constexpr const char* modes[] = {"off", "on"};'
+    return [
+        ("T k = 1.0;", f"T k = 1.0; {modes} {member}"),
+        ('v.parameter("k"', f'{declared} v.parameter("k"'),
+        (BODY, f"{BODY} {body}"),
+    ]
+
+
 def described(folder: Path, *changes: tuple[str, str]) -> str:
     """Return what is said of the law with these changes, from the line on."""
     text = LAW
@@ -176,6 +186,25 @@ def described(folder: Path, *changes: tuple[str, str]) -> str:
             ("template <class T>\n", "using T = double;\n")]),
         (13, "Vec3 is not known here (namespace adcs { ... } has to be around the struct)", [
             ("namespace adcs {\n", ""), ("}  // namespace adcs\n", "")]),
+        # what is no number
+        (DECLARED, "a variable of another type than T, such as double, carries no derivatives (write T, Vec3<T>, "
+         "Quat<T> or Mat3<T>; a bool or std::int32_t has no unit)", [("T k = 1.0", "bool k = true")]),
+        (DECLARED, "outputs() does not set on, or reads it before it does (set all of it, each time)",
+         also("bool on = false;", 'v.output("on", on, "is on");')),
+        (DECLARED, "outputs() does not set n, or reads it before it does (set all of it, each time)",
+         also("std::int32_t n = 0;", 'v.output("n", n, "how many");')),
+        (DECLARED, "outputs() does not set says, or reads it before it does (set all of it, each time)",
+         also("const char* says = nullptr;", 'v.output("says", says, "words");', "says = nullptr;")),
+        (DECLARED, "says is a text, which is not held (leave .sampled() out)",
+         also('const char* says = "";', 'v.sampled(k); v.output("says", says, "words").sampled();', 'says = "";')),
+        (DECLARED, "mode starts at a number that none of its items has (the first is 0)",
+         also("std::int32_t mode = 2;", 'v.input("mode", mode, modes, "what it does");')),
+        (DECLARED, "an item of mode is no name (letters, digits and underscores)",
+         [*also("std::int32_t mode = 0;", 'v.input("mode", mode, modes, "what it does");'), ('"off"', '"not on"')]),
+        (DECLARED, "two items of mode have the same name (give one of them another)",
+         [*also("std::int32_t mode = 0;", 'v.input("mode", mode, modes, "what it does");'), ('"off"', '"on"')]),
+        (DECLARED, "on is no vector or matrix, of which alone such a condition can be",
+         also("bool on = false;", 'v.input("on", on, "is on").unit_vectors();')),
         (DECLARED, "the nominal value of k has to be above 0 (how large it usually is)", [("above(0)", "nominal(0)")]),
         # functions
         (SET, "outputs() gives another torque when it is called again (what keeps a value is a v.state or v.held)", [

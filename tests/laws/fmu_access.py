@@ -125,10 +125,9 @@ class Component:
     def set(self, values: Mapping[str, ArrayLike]) -> None:
         for name, value in values.items():
             v = self.variables[name]
-            real = v.first.type in ("Real", "Float64")
-            flat = np.broadcast_to(np.asarray(value, float if real else int), v.shape).ravel().tolist()
-            setter = {2: ("setInteger", "setReal"), 3: ("setInt32", "setFloat64")}[self.version][real]
-            getattr(self.fmu, setter)(v.references, flat)
+            kind = float if v.first.type in ("Real", "Float64") else int
+            flat = np.broadcast_to(np.asarray(value, kind), v.shape).ravel().tolist()
+            getattr(self.fmu, f"set{v.first.type}")(v.references, flat)
 
     def get(self, name: str) -> Array:
         v = self.variables[name]

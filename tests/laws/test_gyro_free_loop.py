@@ -159,7 +159,7 @@ def test_a_filter_at_zero_asks_for_much_more_torque() -> None:
     """z(0) = 0 instead of z(0) = -Am^-1 B Omega(0)."""
     peaks = [
         np.linalg.norm(run(system, stop_time=5.0, step=0.01, **EXACT)["controller.torque_B"], axis=1).max()
-        for system in (gyro_free(), gyro_free(controller={"filter_at_rest": 0, "z_0": (0.0, 0.0, 0.0)}))
+        for system in (gyro_free(), gyro_free(controller={"filter_at_rest": False, "z_0": (0.0, 0.0, 0.0)}))
     ]
     assert peaks[0] == pytest.approx(0.01393, rel=1e-3)
     assert peaks[1] / peaks[0] > 15

@@ -73,9 +73,8 @@ def test_directional_derivatives(name: str, version: int) -> None:
                     np.testing.assert_allclose(analytic, numeric, rtol=0, atol=1e-8, err_msg=known)
 
 
-@pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize(("name", "parameter"), [("CommandedReference", "engaged"), ("TorqueSwitch", "enabled")])
-def test_a_switch_is_on_or_off(name: str, parameter: str, version: int) -> None:
+def test_a_switch_is_on_or_off(name: str, parameter: str) -> None:
     point = CASES[name][0](np.random.default_rng(1)) | {parameter: np.array(2)}
-    with pytest.raises(FMICallException, match=r"Set(Integer|Int32) failed"):
-        opened(name, version, point)
+    with pytest.raises(FMICallException, match=r"SetBoolean failed"):
+        opened(name, 2, point)  # in FMI 3 nothing else can be said

@@ -25,7 +25,7 @@ def angle(q: Array) -> Array:
     return 2 * np.degrees(np.arctan2(np.linalg.norm(q[:, 1:], axis=1), np.abs(q[:, 0])))
 
 
-def slew(q_BN: Array, short_way: int) -> tuple[Array, Array]:
+def slew(q_BN: Array, short_way: bool) -> tuple[Array, Array]:
     """Attitude from a tumble that begins at q_BN, brought to [1 0 0 0], and the law's V_c."""
     J_B = np.diag([10.0, 19.0, 25.0])
     system = System("slew")
@@ -45,7 +45,7 @@ def slew(q_BN: Array, short_way: int) -> tuple[Array, Array]:
 @pytest.mark.parametrize(("start", "largest"), [(TILTED, 74), (-TILTED, 180), (np.array([-1.0, 0, 0, 0]), 180)])
 def test_the_sign_decides_the_way(start: Array, largest: float) -> None:
     """From -q by 286 degrees, over 180; with the short way by 74; the Lyapunov function falls either way."""
-    for short_way, expected in ((0, largest), (1, min(largest, angle(start[None])[0]))):
+    for short_way, expected in ((False, largest), (True, min(largest, angle(start[None])[0]))):
         q, V = slew(start, short_way)
         assert angle(q).max() == pytest.approx(expected, abs=0.5)
         assert angle(q)[-1] < 0.5
@@ -59,7 +59,7 @@ def test_the_lyapunov_function_falls_through_the_switch() -> None:
     still = {"torque_disturbance_B": [0, 0, 0], "J_B": J_B}
     system.add("plant", "RigidBody", {"q_BN": [0.1, np.sqrt(0.99), 0, 0], "omega_BN_B": [1.5, 0, 0], **still})
     reference = {"q_RN": [1, 0, 0, 0], "omega_RN_R": [0, 0, 0], "omegaDot_RN_R": [0, 0, 0]}
-    system.add("law", "PdTracking", {**reference, "J_B": J_B, "short_way": 1})
+    system.add("law", "PdTracking", {**reference, "J_B": J_B, "short_way": True})
     for source, target in (("plant.q_BN", "law.q_BN"), ("plant.omega_BN_B", "law.omega_BN_B")):
         system.connect(source, target)
     system.connect("law.torque_B", "plant.torque_B")
@@ -75,7 +75,7 @@ def test_the_lyapunov_function_falls_through_the_switch() -> None:
 @pytest.mark.parametrize("name", CHOICE)
 def test_with_the_choice_both_signs_are_answered_alike(name: str, version: int) -> None:
     rng = np.random.default_rng(5)
-    for short_way in (0, 1):
+    for short_way in (False, True):
         for _ in range(5):
             q = rng.normal(size=4)
             answers = []
@@ -84,7 +84,7 @@ def test_with_the_choice_both_signs_are_answered_alike(name: str, version: int) 
                 with Component(name, version, point) as component:
                     outputs = [n for n in component.names("output") if n not in point]
                     answers.append(np.concatenate([component.get(n).ravel() for n in outputs]))
-            assert (answers[0].tolist() == answers[1].tolist()) == (short_way == 1)
+            assert (answers[0].tolist() == answers[1].tolist()) == short_way
 
 
 @pytest.mark.parametrize("version", VERSIONS)

@@ -117,18 +117,46 @@ public:
         const auto vrs = scalars(v);
         return fmi2GetReal(handle_, vrs.data(), vrs.size(), values);
     }
-    int get(const Variable& v, std::int32_t* values) {
-        if (version_ == 3) return fmi3GetInt32(handle_, &v.vr, 1, values, v.size);
-        return fmi2GetInteger(handle_, &v.vr, 1, values);
+    /// Of a Boolean, integer or enumeration.
+    int get(const Variable& v, std::int32_t* value) {
+        if (v.type == Type::boolean) {
+            if (version_ == 2) return fmi2GetBoolean(handle_, &v.vr, 1, value);
+            bool on = false;
+            const int status = fmi3GetBoolean(handle_, &v.vr, 1, &on, 1);
+            *value = on ? 1 : 0;
+            return status;
+        }
+        if (version_ == 2) return fmi2GetInteger(handle_, &v.vr, 1, value);
+        if (v.type == Type::int32) return fmi3GetInt32(handle_, &v.vr, 1, value, 1);
+        std::int64_t item = 0;
+        const int status = fmi3GetInt64(handle_, &v.vr, 1, &item, 1);
+        *value = static_cast<std::int32_t>(item);
+        return status;
+    }
+    int get(const Variable& v, const char** text) {
+        if (version_ == 3) return fmi3GetString(handle_, &v.vr, 1, text, 1);
+        return fmi2GetString(handle_, &v.vr, 1, text);
     }
     int set(const Variable& v, const double* values) {
         if (version_ == 3) return fmi3SetFloat64(handle_, &v.vr, 1, values, v.size);
         const auto vrs = scalars(v);
         return fmi2SetReal(handle_, vrs.data(), vrs.size(), values);
     }
-    int set(const Variable& v, const std::int32_t* values) {
-        if (version_ == 3) return fmi3SetInt32(handle_, &v.vr, 1, values, v.size);
-        return fmi2SetInteger(handle_, &v.vr, 1, values);
+    int set(const Variable& v, const std::int32_t* value) {
+        if (v.type == Type::string) {
+            const char* text = "no";
+            if (version_ == 3) return fmi3SetString(handle_, &v.vr, 1, &text, 1);
+            return fmi2SetString(handle_, &v.vr, 1, &text);
+        }
+        if (v.type == Type::boolean) {
+            if (version_ == 2) return fmi2SetBoolean(handle_, &v.vr, 1, value);
+            const bool on = *value != 0;
+            return fmi3SetBoolean(handle_, &v.vr, 1, &on, 1);
+        }
+        if (version_ == 2) return fmi2SetInteger(handle_, &v.vr, 1, value);
+        if (v.type == Type::int32) return fmi3SetInt32(handle_, &v.vr, 1, value, 1);
+        const std::int64_t item = *value;
+        return fmi3SetInt64(handle_, &v.vr, 1, &item, 1);
     }
     int enter(double start, bool stop_defined, double stop) {
         if (version_ == 3) return fmi3EnterInitializationMode(handle_, false, 0.0, start, stop_defined, stop);
@@ -243,7 +271,7 @@ public:
     }
     int set_any(Random& random, Tool& tool, double wild) const {
         const Variable& v = any(random);
-        if (v.type == Type::int32) {
+        if (v.type != Type::float64) {
             const std::int32_t value = static_cast<std::int32_t>(random.below(4)) - 1;
             return tool.set(v, &value);
         }
@@ -257,8 +285,12 @@ public:
         for (const Variable& v : table()) {
             std::vector<double> values(v.size);
             std::int32_t integer = 0;
-            const int status = v.type == Type::float64 ? tool.get(v, values.data()) : tool.get(v, &integer);
-            if (v.type == Type::int32) values[0] = integer;
+            const char* text = "";
+            const int status = v.type == Type::float64  ? tool.get(v, values.data())
+                               : v.type == Type::string ? tool.get(v, &text)
+                                                        : tool.get(v, &integer);
+            for (; *text != '\0'; ++text) integer = 31 * integer % 65536 + *text;
+            if (v.type != Type::float64) values[0] = integer;
             for (const double x : values) require(status > 1 || std::isfinite(x), "a value is not finite, but OK");
             read.emplace_back(status, std::move(values));
         }

@@ -74,7 +74,7 @@ def test_integers_beyond_those_of_doubles_can_be_given_but_not_recorded(foreign)
     [
         ("p_UInt8", 256, "c.p_UInt8 = 256 is outside the range of UInt8"),
         ("p_Int8", 1.5, "c.p_Int8 = 1.5: expected an integer"),
-        ("p_Boolean", 1, "c.p_Boolean = 1: expected True or False"),
+        ("p_Boolean", 2, "c.p_Boolean = 2: expected True or False"),
         ("word", 5, "c.word = 5: expected a text"),
         ("phase", "walk", "c.phase = 'walk' is no item of this enumeration: use 'idle' or 1, 'run' or 2, 'stop' or 5"),
         ("phase", 3, "c.phase = 3 is no item of this enumeration: use 'idle' or 1, 'run' or 2, 'stop' or 5"),

@@ -65,7 +65,7 @@ def test_those_that_are_no_sizes(square):
         ),
         ({"rows": -1}, r"square\.rows = -1 is outside the range of UInt64"),
         ({"rows": 2.5}, r"square\.rows = 2\.5: expected an integer"),
-        ({"deep": 1}, r"square\.deep = 1: expected True or False"),
+        ({"deep": 2}, r"square\.deep = 2: expected True or False"),
         ({"label": 3}, r"square\.label = 3: expected a text"),
         ({"margin": float("nan")}, r"square\.margin = nan is not finite"),
     ],

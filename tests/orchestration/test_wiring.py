@@ -62,7 +62,7 @@ def test_a_port_without_unit_goes_with_any(system):
         ("gain", {"y": [1, 2, 3]}, "new.y cannot be given a start value: it is a continuous output"),
         ("typed", {"n": 1.5}, "new.n = 1.5: expected an integer"),
         ("typed", {"n": 2**31}, "new.n = 2147483648 is outside the range of Int32"),
-        ("typed", {"flag": 1}, "new.flag = 1: expected True or False"),
+        ("typed", {"flag": 2}, "new.flag = 2: expected True or False"),
     ],
 )
 def test_refused_start_values(system, mock, model, start, message):

@@ -32,7 +32,7 @@ def noise_free(run: Runner, choices: Choices) -> Outcome:
     settings = {"stop_time": choices.stop_time, "step": STEP, "method": ModelExchange()}
     own = run("gyro-free, coupled", gyro_free(), save=Save([*RECORD_GYRO_FREE, "controller.P"]), **settings)
     full = run("full state on unit vectors, coupled", gyro_free_full_state(), save=Save(RECORD), **settings)
-    at_zero = gyro_free(controller={"filter_at_rest": 0})
+    at_zero = gyro_free(controller={"filter_at_rest": False})
     zero = run("gyro-free, z(0) = 0, coupled", at_zero, save=Save(RECORD_GYRO_FREE), **settings)
     pair = {GYRO_FREE: motion(own), FULL_STATE: motion(full)}
     rows = [

@@ -131,12 +131,13 @@ private:
     enum Trait : unsigned {
         trait_float64 = 1,
         trait_int32 = 2,
-        trait_computed = 4,      ///< an output or local
+        trait_computed = 4,      ///< an output or local that is no state
         trait_rate = 8,          ///< a state derivative
         trait_set_early = 16,    ///< may be set until initialization is over
         trait_set_running = 32,  ///< may be set afterwards
         trait_not_plain = 64,  ///< not a float64 input without bounds, to which any finite value may be set at any time
         trait_checked = 128,   ///< input with a condition on the whole array
+        trait_state = 256,     ///< there without a computation, once its start value is normalised
     };
     static constexpr unsigned trait_of(Type type) { return type == Type::float64 ? trait_float64 : trait_int32; }
     /// What the hot path needs of one value reference.

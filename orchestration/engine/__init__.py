@@ -483,8 +483,9 @@ def library() -> ctypes.CDLL:
     loaded.adcs_walk_size.restype = ctypes.c_size_t
     loaded.adcs_walk.argtypes = (address, double, double, address)
     loaded.adcs_walk.restype = ctypes.c_int32
-    loaded.adcs_covered.argtypes = (address,)
-    loaded.adcs_covered.restype = double
+    for rule in (loaded.adcs_covered, loaded.adcs_looks):
+        rule.argtypes = (double, double, double)
+        rule.restype = double
     loaded.adcs_between.argtypes = (address, double, address)
     loaded.adcs_between.restype = ctypes.c_bool
     loaded.adcs_shorter.argtypes = (address, address, double)

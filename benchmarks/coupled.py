@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import median
+from tempfile import TemporaryDirectory
 from typing import Annotated
 
 import cyclopts
@@ -19,7 +20,7 @@ from rich.progress import track
 from rich.table import Table
 from scipy.integrate import solve_ivp
 
-from adcs import AdcsError, CoSimulation, CoupledModel, ModelExchange, Result, Save, run, systems
+from adcs import AdcsError, CoSimulation, CoupledModel, ModelExchange, Result, Save, inputs, run, systems
 from orchestration.plan.lowering import Floats
 from orchestration.running.fitting import Fitting
 
@@ -93,6 +94,17 @@ def by_scipy(name: str, rtol: float = 1e-11) -> Sample:
         return Sample(cpu, found.nfev, dict(zip(model.ports, np.split(rows, ends, axis=1), strict=True)))
 
 
+def fed(name: str) -> Sample:
+    """Solve it with a disturbance from a table, zero at each full second: the same, with steps that end there."""
+    seconds = range(round(systems()[name].stop_time) + 1)
+    header = ",".join(["time", *(f"plant.torque_disturbance_B[{i}]" for i in (1, 2, 3))])
+    with TemporaryDirectory() as folder:
+        table = Path(folder) / "table.csv"
+        table.write_text("\n".join([header, *(f"{t},0,0,0" for t in seconds)]) + "\n", encoding="utf-8")
+        result = run(name, method=ModelExchange(), hooks=[inputs(table)])
+    return _sample(result, result.manifest["integrator"]["evaluations"])
+
+
 def error(outputs: Outputs, reference: Outputs) -> float:
     """Return the largest difference, each relative to the largest magnitude of its output."""
     return max(
@@ -110,6 +122,7 @@ WAYS: dict[str, Callable[[str], Sample]] = {"exact": exact, "exchanged": exchang
 MORE_WAYS: dict[str, Callable[[str], Sample]] = {
     "DOP853, rtol 1e-12": exact,
     "DOP853, rtol 1e-11": lambda name: exact(name, ModelExchange(rtol=1e-11)),
+    "DOP853, rtol 1e-12, with a table of inputs": fed,
     "SciPy's DOP853, rtol 1e-11": by_scipy,
     "CVode, rtol 1e-10": lambda name: exact(name, ModelExchange("CVode")),
 }

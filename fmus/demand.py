@@ -24,12 +24,11 @@ def fmu_path(name: str, fmi_version: str = "2.0") -> Path:
 
     AdcsError if there is no such component, or it cannot be built.
     """
-    if fmi_version not in FILE_NAMES:
-        raise AdcsError(f"FMI version {fmi_version} is not made: expected {' or '.join(FILE_NAMES)}")
-    ready = ready_made(name, fmi_version)
-    if ready is not None:
-        return ready
-    component = find(name)
+    return ready_made(name, fmi_version) or fmu_of(find(name), fmi_version)
+
+
+def fmu_of(component: Component, fmi_version: str = "2.0") -> Path:
+    """The FMU of this component, built anew if it is not of the sources that are here; AdcsError if it cannot be."""
     came = came_with(component, fmi_version)
     if came is not None:
         return came
@@ -43,6 +42,8 @@ def fmu_path(name: str, fmi_version: str = "2.0") -> Path:
 
 def ready_made(name: str, fmi_version: str = "2.0") -> Path | None:
     """The FMU of this name that another package brings without a header; of two, the one of this version of FMI."""
+    if fmi_version not in FILE_NAMES:
+        raise AdcsError(f"FMI version {fmi_version} is not made: expected {' or '.join(FILE_NAMES)}")
     theirs = None if is_header(name) else brought(name).get(name)
     if theirs is None or theirs.header is not None:
         return None

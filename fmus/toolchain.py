@@ -75,7 +75,18 @@ def without() -> str:
 
 def is_installed() -> bool:
     """Whether there is the compiler, and the library that components use."""
-    return util.find_spec("ziglang") is not None and EIGEN.is_dir()
+    try:
+        _find()
+    except ModuleNotFoundError:
+        return False
+    return EIGEN.is_dir()
+
+
+@cache
+def _find() -> None:
+    """Find the compiler's package, which is not loaded: that takes a search of the whole path, until it is there."""
+    if util.find_spec("ziglang") is None:
+        raise ModuleNotFoundError
 
 
 def zig() -> Path:

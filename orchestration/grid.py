@@ -125,9 +125,20 @@ class Grid:
                 f"{(self.full - begin) // every + 1} rows do not fit into memory: record not every step, or take "
                 "longer ones"
             ) from None
-        times *= self.step  # in place: of many rows, three arrays do not fit where one does
-        times += self.start
+        self._make_times(times)
         return times if self.stop is None or len(times) == most else np.append(times, self.stop)
+
+    def at(self, points: NDArray[np.int64]) -> NDArray[np.float64]:
+        """The times of some points, as `time` gives them."""
+        times = points.astype(np.float64)
+        self._make_times(times)
+        if self.stop is not None:
+            times[points == self.steps] = self.stop
+        return times
+
+    def _make_times(self, points: NDArray[np.float64]) -> None:
+        points *= self.step  # in place: of many rows, three arrays do not fit where one does
+        points += self.start
 
     def places(self, first: int, every: int, most: int = _MOST_STEPS) -> NDArray[np.float64]:
         """The times of all rows that there may be, or of the first of them."""

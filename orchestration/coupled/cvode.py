@@ -34,7 +34,7 @@ class CVode:
     @property
     def covered(self) -> float:
         """Up to where the last step gives rows [s]."""
-        return self.time - min(self._terms.instant, 1e-3 * (self.time - self.began))
+        return self._terms.covered(self.began, self.time)
 
     def settle(self) -> None:
         """Bring no component to a time before the present one any more."""

@@ -16,7 +16,7 @@ class Dop853:
     """Its continuous extension gives rows; where an event was, the step that leads there is made again, shorter."""
 
     def __init__(self, model: CoupledModel, terms: Terms) -> None:
-        self._model, self._atol = model, terms.atol
+        self._model, self._terms = model, terms
         self._taken = Taken()
         self._walk, self._spare = (integrators.walk_of(model, terms, self._taken) for _ in range(2))
 
@@ -38,7 +38,7 @@ class Dop853:
     @property
     def covered(self) -> float:
         """Up to where the last step gives rows [s]."""
-        return self._walk.covered
+        return self._terms.covered(self.began, self.time)
 
     def settle(self) -> None:
         """Bring no component to a time before the present one any more."""
@@ -52,7 +52,7 @@ class Dop853:
     def restart(self, t: float, x: Floats, length: float = 0.0) -> None:
         """Go on from (t, x), with what was learned before forgotten, but for the length of a step (s), if given."""
         for walk in (self._walk, self._spare):
-            walk.tolerances[:] = self._atol * self._model.nominals
+            walk.tolerances[:] = self._terms.atol * self._model.nominals
         self._walk.restart(t, x, length)
         if self._taken.since == 0:
             self._taken.row = t

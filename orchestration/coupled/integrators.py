@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil
 from typing import Any, Literal, Protocol
 
 import numpy as np
 
 from fmus.errors import AdcsError
 from orchestration.coupled.model import CoupledModel
+from orchestration.engine import library
 from orchestration.engine.walk import Rows, Taken, Walk
 from orchestration.plan.lowering import Floats
 
@@ -39,7 +39,11 @@ class Terms:
 
     def looks_into(self, length: float) -> int:
         """Return how often a step of this length is looked into."""
-        return max(self.looks, ceil(length / self.apart))
+        return int(library().adcs_looks(self.looks, self.apart, length))
+
+    def covered(self, began: float, time: float) -> float:
+        """Return up to where a step from `began` to `time` gives rows."""
+        return float(library().adcs_covered(began, time, self.instant))
 
 
 class Integrator(Protocol):

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fmus.errors import AdcsError
 from orchestration import expected
@@ -24,7 +25,7 @@ from orchestration.plan.changing import checked_change
 from orchestration.plan.loops import LoopMethod, Loops, LoopSolver, loop_solver
 from orchestration.plan.lowering import Floats, Plan, make_plan
 from orchestration.plan.opening import initialised
-from orchestration.plan.outside import Source
+from orchestration.plan.outside import Lines, Source, lines_of
 from orchestration.process.guard import Guard
 from orchestration.process.where import Where
 from orchestration.results.result import Recording
@@ -95,7 +96,9 @@ class CoupledModel:
             flowing = [name for name in self.external if system.port(name)[1].variability == "continuous"]
             sizes = {name: len(system.end(name).elements) for name in self.external}
             self._source = source
+            lines = lines_of(source)
             self._flows = np.repeat([name in flowing for name in self.external], list(sizes.values()))
+            self._asked = source if lines is None else None  # for each point of time between two events
             self._loops: list[Loops] = []
             lower = partial(
                 make_plan,
@@ -112,7 +115,8 @@ class CoupledModel:
                 lower(continuous, recording.names, external=flowing).only_read(),
             )
             self._flowing = [plan.signals[: plan.n_external] for plan in between]
-            self._derivatives, self._outputs = (self._bind(plan, solver) for plan in between)
+            followed = _only(lines or (), self._flows)
+            self._derivatives, self._outputs = (self._bind(plan, solver, followed) for plan in between)
             self.state_names = [f"{name}.{state}" for name, fmu in fmus.items() for state in fmu.states]
             self._row_size = sum(port.size for port in self.ports.values())
             self._watchers = [i for i in self.instances.values() if _needs_completed_step(i)]
@@ -121,10 +125,10 @@ class CoupledModel:
             self.x0 = self._settle(start_time)
             self._stack = stack.pop_all()
 
-    def _bind(self, plan: Plan, solver: LoopSolver | None) -> Engine:
+    def _bind(self, plan: Plan, solver: LoopSolver | None, lines: Sequence[Lines] = ()) -> Engine:
         loops = Loops(plan, self.instances, solver or LoopSolver())
         self._loops.append(loops)
-        self._engines.append(Engine(plan, self.instances, solve=loops.solve, where=self._where))
+        self._engines.append(Engine(plan, self.instances, lines=lines, solve=loops.solve, where=self._where))
         return self._engines[-1]
 
     def __enter__(self) -> CoupledModel:
@@ -157,7 +161,7 @@ class CoupledModel:
             len(self.state_names),
             self._row_size,
             watched=self.watched,
-            outside=None if self._source is None else self._flow,
+            outside=None if self._asked is None else self._flow,
             **terms,
         )
 
@@ -192,8 +196,8 @@ class CoupledModel:
 
     def _flow(self, t: float) -> None:
         """Take what comes from outside at time t into what is a function of (t, x) between two events."""
-        if self._source is not None:
-            values = self._source.at(np.array([t]))[0, self._flows]
+        if self._asked is not None:
+            values = self._asked.at(np.array([t]))[0, self._flows]
             for signals in self._flowing:
                 signals[:] = values
 
@@ -325,6 +329,12 @@ class _Indicators:
             component, name = self.owners[bad[0]]
             raise CallFailed(component, f"{name} is not finite")
         return self._values.copy()
+
+
+def _only(lines: Sequence[Lines], which: NDArray[np.bool_]) -> list[Lines]:
+    """Return some of the values that lines have side by side."""
+    ends = np.cumsum([line.values.shape[1] for line in lines])
+    return [line.only(part) for line, part in zip(lines, np.split(which, ends[:-1]), strict=True)] if lines else []
 
 
 def refuse(system: System, version: FmiVersion) -> None:

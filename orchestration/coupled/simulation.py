@@ -159,10 +159,7 @@ class CoupledSimulation:
         return self._come_to(count) if failed or stopped else self.k + count, kept.written, failed
 
     def _asked(self, points: NDArray[np.int64], rows: Floats, where: Where | None) -> Rows:
-        times: Floats = self.grid.start + points.astype(np.float64) * self.grid.step
-        if self.grid.stop is not None:
-            times[points == self.grid.steps] = self.grid.stop
-        return Rows(times, points, rows, len(self.state_names), where)
+        return Rows(self.grid.at(points), points, rows, len(self.state_names), where)
 
     def _come_to(self, count: int) -> int:
         """Return the first of the next points that could not be taken, or the one after them."""

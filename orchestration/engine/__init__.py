@@ -6,7 +6,7 @@ import ctypes
 import hashlib
 import itertools
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,6 +20,7 @@ from fmus.files import make_folder, write_atomically
 from fmus.paths import BUILD
 from orchestration.instances.instance import CallFailed, EndRequested, Instance
 from orchestration.plan.lowering import Call, Floats, Plan
+from orchestration.plan.outside import Lines
 from orchestration.plan.propagation import Ring, action_of, not_doubled, not_finite, not_handed_on, read_after_set
 from orchestration.process.where import ACTIONS, Action, Doing, Place, Where
 
@@ -102,6 +103,18 @@ class _Delay(ctypes.Structure):
     )
 
 
+class _Lines(ctypes.Structure):
+    _fields_ = (
+        ("times", ctypes.c_void_p),
+        ("values", ctypes.c_void_p),
+        ("slopes", ctypes.c_void_p),
+        ("n_times", ctypes.c_size_t),
+        ("n", ctypes.c_size_t),
+        ("to", ctypes.c_size_t),
+        ("current", ctypes.c_size_t),
+    )
+
+
 class Failure(ctypes.Structure):
     """What failed, in numbers (engine.h)."""
 
@@ -118,6 +131,8 @@ class _Plan(ctypes.Structure):
         ("n_external", ctypes.c_size_t),
         ("delays", ctypes.POINTER(_Delay)),
         ("n_delays", ctypes.c_size_t),
+        ("lines", ctypes.POINTER(_Lines)),
+        ("n_lines", ctypes.c_size_t),
         ("record", ctypes.POINTER(_Piece)),
         ("n_record", ctypes.c_size_t),
         ("record_every", ctypes.c_int64),
@@ -147,8 +162,8 @@ class ThreadControl:
 class Engine:
     """A plan bound to the function pointers of its instances, which must stay open as long as it is used.
 
-    `solve` solves the loop of a given number; `rings` hold what is on its way in the plan's delays; `where` is told
-    where the loop is.
+    `solve` solves the loop of a given number; `rings` hold what is on its way in the plan's delays; `lines` are those
+    that the signals from outside follow in `evaluate`; `where` is told where the loop is.
     """
 
     def __init__(
@@ -157,6 +172,7 @@ class Engine:
         instances: Mapping[str, Instance],
         *,
         rings: tuple[Ring, ...] = (),
+        lines: Sequence[Lines] = (),
         record_every: int = 1,
         solve: Callable[[int], None] | None = None,
         where: Where | None = None,
@@ -185,6 +201,8 @@ class Engine:
                 for r in rings
             )
         )
+        begins = itertools.accumulate((line.values.shape[1] for line in lines), initial=0)
+        followed = (_Lines * len(lines))(*map(self._followed, lines, begins))
         record, n_record = _pieces(plan.row)
         self.raw = _Plan(
             components=components,
@@ -195,6 +213,8 @@ class Engine:
             n_external=plan.n_external,
             delays=delays,
             n_delays=len(delays),
+            lines=followed,
+            n_lines=len(followed),
             record=record,
             n_record=n_record,
             record_every=record_every,
@@ -316,6 +336,11 @@ class Engine:
             made.pieces, made.n_pieces = _pieces(call.where, call)
             self._keep.append(staging)
         return made
+
+    def _followed(self, lines: Lines, to: int) -> _Lines:
+        read = [np.ascontiguousarray(part) for part in (lines.times, lines.values, lines.slopes)]
+        self._keep.append(read)
+        return _Lines(*(part.ctypes.data for part in read), *lines.values.shape, to)
 
     def failed(self) -> CallFailed:
         """Return what has failed in the call that was made last, or raise what a callback raised."""
@@ -458,8 +483,9 @@ def library() -> ctypes.CDLL:
     loaded.adcs_walk_size.restype = ctypes.c_size_t
     loaded.adcs_walk.argtypes = (address, double, double, address)
     loaded.adcs_walk.restype = ctypes.c_int32
-    loaded.adcs_covered.argtypes = (address,)
-    loaded.adcs_covered.restype = double
+    for rule in (loaded.adcs_covered, loaded.adcs_looks):
+        rule.argtypes = (double, double, double)
+        rule.restype = double
     loaded.adcs_between.argtypes = (address, double, address)
     loaded.adcs_between.restype = ctypes.c_bool
     loaded.adcs_shorter.argtypes = (address, address, double)

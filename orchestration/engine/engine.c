@@ -372,8 +372,36 @@ EXPORT int64_t adcs_steps(Plan* plan, double start, double step, int64_t first, 
     return written;
 }
 
+/* The last time that is not after t; the first where all are. */
+static size_t find(const Lines* l, double t) {
+    size_t low = l->current, high = low + 1;
+    if (!(l->times[low] <= t && (high == l->n_times || t < l->times[high]))) {
+        for (low = 0, high = l->n_times; high - low > 1;) {
+            const size_t middle = low + (high - low) / 2;
+            if (l->times[middle] <= t) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+    }
+    return low;
+}
+
+static void follow(Plan* plan, double t) {
+    for (size_t i = 0; i < plan->n_lines; ++i) {
+        Lines* l = &plan->lines[i];
+        const size_t k = l->current = find(l, t);
+        const double* y = l->values + k * l->n;
+        const double* slope = l->slopes + k * l->n;
+        const double since = t - l->times[k];
+        for (size_t j = 0; j < l->n; ++j) plan->signals[l->to + j] = since > 0 ? slope[j] * since + y[j] : y[j];
+    }
+}
+
 bool engine_evaluate(Plan* plan, double time, const double* states, double* derivatives, double* row) {
     const double* x = states;
+    follow(plan, time);
     for (size_t i = 0; i < plan->n_components; ++i) {
         Component* c = &plan->components[i];
         at(plan, SET_TIME, i);

@@ -83,6 +83,16 @@ typedef struct {
     double* history; /* (steps, n): what left at k is at k modulo steps */
 } Delay;
 
+/* Signals from outside that go along straight lines between times, and hold before the first and after the last. */
+typedef struct {
+    const double* times;  /* (n_times), increasing */
+    const double* values; /* (n_times, n) */
+    const double* slopes; /* (n_times, n) from each time to the next; 0 at the last */
+    size_t n_times, n;
+    size_t to;      /* of the signal buffer */
+    size_t current; /* index of the time found last */
+} Lines;
+
 enum { STATUS = 1, NOT_FINITE, TERMINATED, EARLY_RETURN, DOES_NOT_FIT, RAISED, GIVEN_UP };
 
 #define DISCARD 2 /* fmi2Discard and fmi3Discard */
@@ -120,6 +130,8 @@ typedef struct {
     size_t n_external; /* the first signals come from outside */
     const Delay* delays;
     size_t n_delays;
+    Lines* lines; /* followed by engine_evaluate only */
+    size_t n_lines;
     const Piece* record; /* what makes up a row */
     size_t n_record;
     int64_t record_every;

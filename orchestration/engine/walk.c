@@ -294,14 +294,18 @@ static bool between(Walk* w, double t, double* to) {
     return true;
 }
 
-/* Up to where the last step gives rows. One within an instant of its end waits for the next: an event there comes
- * first. */
-static double covered(const Walk* w) { return w->time - fmin(w->instant, NEAR * (w->time - w->began)); }
+/* Up to where a step gives rows. One within an instant of its end waits for the next: an event there comes first. */
+EXPORT double adcs_covered(double began, double time, double instant) {
+    return time - fmin(instant, NEAR * (time - began));
+}
+
+/* At how many times a step of this length is looked into. */
+EXPORT double adcs_looks(double least, double apart, double length) { return fmax(least, ceil(length / apart)); }
 
 static int32_t take_rows(Walk* w, Output* out) {
     Where* where = w->rows->where;
     for (; out->written < out->count; ++out->written) {
-        if (!(out->times[out->written] < covered(w))) break;
+        if (!(out->times[out->written] < adcs_covered(w->began, w->time, w->instant))) break;
         const double t = fmax(out->times[out->written], w->floor);
         double* x = out->states + (size_t)out->written * w->n;
         where->k = out->points[out->written];
@@ -318,7 +322,7 @@ static int32_t take_rows(Walk* w, Output* out) {
 /* Whether an event indicator changes its domain in the last step, or has to be looked at for another reason. */
 static bool crosses(Walk* w) {
     double* now = w->look;
-    const double h = w->time - w->began, looks = fmax(w->looks, ceil(h / w->apart));
+    const double h = w->time - w->began, looks = adcs_looks(w->looks, w->apart, h);
     for (double look = 1; look <= looks; ++look) {
         const double t = look == looks ? w->time : w->began + h * (look / looks);
         if (!between(w, t, w->trial) || !evaluate(w, w->flow, t, w->trial, NULL, NULL)) return true;
@@ -344,8 +348,6 @@ static int32_t walk(Walk* w, double until, double bound, Output* out) {
         if (w->watched || (w->n_indicators && crosses(w))) return LOOK;
     }
 }
-
-EXPORT double adcs_covered(const Walk* w) { return covered(w); }
 
 /* Go on to `until`, or until all rows are written, or there is something to be looked at in the last step, whose rows
  * then are not taken yet. No step leads beyond `bound`. */

@@ -234,11 +234,6 @@ class Walk:
         """Where it has come to [s]."""
         return float(self._raw.time)
 
-    @property
-    def covered(self) -> float:
-        """Up to where the last step gives rows [s]."""
-        return float(self._library.adcs_covered(self._reference))
-
     def settle(self) -> None:
         """Bring no component to a time before the present one any more."""
         self._raw.floor = self._raw.time

@@ -20,7 +20,7 @@ from fmpy.model_description import ModelDescription, ModelVariable, ValidationEr
 
 from fmus.archive import LARGEST_XML, Archive
 from fmus.catalog import find, is_header
-from fmus.demand import fmu_path, ready_made, warn_if_old
+from fmus.demand import fmu_of, ready_made, warn_if_old
 from fmus.errors import AdcsError, Unsupported, shown
 from fmus.nearby import not_opened
 from fmus.readable import read_model
@@ -300,11 +300,11 @@ def _component(name: str | Path, version: FmiVersion) -> Path:
     if ready is not None:
         return ready
     try:
-        find(str(name))
+        component = find(str(name))
     except AdcsError as error:
         joined = " Or" if str(error).endswith("?") else ", or"
         raise AdcsError(f"{error}{joined} give the path of an .fmu") from None
-    return fmu_path(str(name), version)
+    return fmu_of(component, version)
 
 
 def open_fmu(path: Path) -> Fmu:

@@ -84,16 +84,22 @@ class Plan:
     every: Mapping[str, int] = field(default_factory=dict)
 
     def only_read(self) -> Plan:
-        """Return it without the calls that set what none of its later ones reads, for who wants the row alone."""
+        """Return it without the calls of which nothing comes into the row, for who wants the row alone."""
         kept: list[Call] = []
-        read: set[str] = set()
+        read: set[str] = set()  # components, by the calls that come after
+        wanted = set(self.row.tolist())  # signals
         for call in reversed(self.calls):
-            if call.kind != "set" or call.component in read:
-                kept.append(call)
-            if call.kind == "solve":
-                read |= {get.component for get in self.loops[call.loop].gets}
-            elif call.kind == "get":
-                read.add(call.component)
+            if call.kind == "get" and wanted.isdisjoint(call.where.tolist()):
+                continue
+            if call.kind == "set" and call.component not in read:
+                continue
+            kept.append(call)
+            inside = (*self.loops[call.loop].sets, *self.loops[call.loop].gets) if call.kind == "solve" else (call,)
+            for each in inside:
+                if each.kind == "get":
+                    read.add(each.component)
+                else:
+                    wanted.update(each.where.tolist())
         return replace(self, calls=tuple(reversed(kept)))
 
 

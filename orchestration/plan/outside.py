@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fmus.errors import AdcsError, shown
 from orchestration.plan.lowering import Floats
@@ -29,13 +31,41 @@ class Source(Protocol):
         ...
 
 
-class Sources:
+@dataclass(frozen=True)
+class Lines:
+    """Values on straight lines between `times` (n,), in s; before the first and after the last they hold.
+
+    `values` (n, number of values) are those at the times, `slopes` (n, number of values) those from each to the next.
+    """
+
+    times: Floats
+    values: Floats
+    slopes: Floats
+
+    def only(self, columns: NDArray[np.bool_]) -> Lines:
+        """Return some of the values."""
+        return Lines(self.times, self.values[:, columns], self.slopes[:, columns])
+
+
+class Straight:
+    """A source that need not be asked between two jumps, since its values are on straight lines.
+
+    Sources of others are none, whatever attributes they have: the lines are followed without being looked at.
+    """
+
+    lines: Sequence[Lines] | None
+    """Those that `at` goes by, side by side; None if it has to be asked after all."""
+
+
+class Sources(Straight):
     """Several sources as one, whose answers are looked at: they may be anybody's."""
 
     def __init__(self, sources: Sequence[Source], size: Callable[[str], int]) -> None:
         """`size` tells how many values a name stands for."""
         self.names = [name for source in sources for name in source.names]
         self._sources = [(source, sum(size(name) for name in source.names)) for source in sources]
+        lines = [lines_of(source) for source in sources]
+        self.lines = None if None in lines else [line for some in lines for line in some or ()]
 
     def at(self, times: Floats) -> Floats:
         """Return the values at these times (s), (n, number of values)."""
@@ -44,6 +74,11 @@ class Sources:
     def jump(self, after: float) -> float:
         """Return the next time (s) at which a value jumps or bends; inf if there is none."""
         return min(source.jump(after) for source, _ in self._sources)
+
+
+def lines_of(source: Source | None) -> Sequence[Lines] | None:
+    """Return the lines that a source follows; None if it has to be asked."""
+    return source.lines if isinstance(source, Straight) else None
 
 
 def _asked(source: Source, times: Floats, width: int) -> Floats:

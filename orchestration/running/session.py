@@ -297,8 +297,7 @@ class Session:
         """The values from outside at the next points, (count, number of values)."""
         if self.source is None:
             return None
-        times = self.start + np.arange(self.k, self.k + count, dtype=np.float64) * self.step
-        return self.source.at(np.minimum(times, self.grid.time(self.last)))
+        return self.source.at(self.grid.at(np.arange(self.k, self.k + count)))
 
     def end_row(self) -> Floats | None:
         """Return the row of the time at which a component ended the simulation, where it can still be asked.

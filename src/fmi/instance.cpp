@@ -140,25 +140,27 @@ Instance::Instance(const char* name, Interface interface, const Log& log, Model*
 
     std::size_t state = 0, rate = 0, output = 0, checked_input = 0, unit_state = 0, event = 0, wake = 0;
     for (const Variable& v : table()) {
-        const bool computed = v.causality == Causality::output || v.causality == Causality::local;
+        const bool is_state = v.role == Role::state;
+        const bool computed = (!is_state || reacts()) &&  // an event may change a state
+                              (v.causality == Causality::output || v.causality == Causality::local);
         const bool input = v.causality == Causality::input, parameter = v.causality == Causality::parameter;
-        const bool early = input || parameter || v.role == Role::state;
+        const bool early = input || parameter || is_state;
         const bool running = input || (parameter && v.variability == Variability::tunable);
         if (input && v.kind != Kind::any) checked_inputs_[checked_input++] = &v;
-        if (v.role == Role::state && v.kind == Kind::unit_quaternion) unit_states_[unit_state++] = {&v, state};
+        if (is_state && v.kind == Kind::unit_quaternion) unit_states_[unit_state++] = {&v, state};
         const bool is_float = v.type == Type::float64;
         if (v.role == Role::event) events_[event++] = floats(v);
         if (v.wakes) wakes_[wake++] = floats(v);
         const bool bounded = std::isfinite(v.above) || std::isfinite(v.min) || std::isfinite(v.max);
         const bool plain = input && is_float && !bounded;
-        const unsigned traits = trait_of(v.type) | (computed ? trait_computed : 0U) |
+        const unsigned traits = trait_of(v.type) | (computed ? trait_computed : 0U) | (is_state ? trait_state : 0U) |
                                 (v.role == Role::derivative ? trait_rate : 0U) | (early ? trait_set_early : 0U) |
                                 (running ? trait_set_running : 0U) | (plain ? 0U : trait_not_plain) |
                                 (input && v.kind != Kind::any ? trait_checked : 0U);
         for (std::uint32_t e = 0; e < v.size; ++e) {
             void* data = is_float ? floats(v) + e : v.data;  // all others are scalars
             scalars_[v.vr + e] = {data, &v, e == 0 ? v.size : 0, traits};
-            if (v.role == Role::state) states_[state++].x = floats(v) + e;
+            if (is_state) states_[state++].x = floats(v) + e;
             if (v.role == Role::derivative) states_[rate++].rate = floats(v) + e;
             if (v.causality == Causality::output && is_float) outputs_[output++] = floats(v) + e;
         }
@@ -404,6 +406,8 @@ Status Instance::get(const char* function, const std::uint32_t* vrs, std::size_t
             if (Status status = evaluate_derivatives(); status != Status::ok) return status;
         } else if ((traits & trait_computed) != 0 && !outputs_fresh_) {
             if (Status status = evaluate(); status != Status::ok) return status;
+        } else if ((traits & trait_state) != 0) {
+            if (Status status = check_parameters(); status != Status::ok) return status;
         }
     }
     const Scalar* scalars = scalars_;

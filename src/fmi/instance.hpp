@@ -160,12 +160,13 @@ private:
     /// Properties of a value reference as bits, so that a loop over many can gather what any of them has.
     enum Trait : unsigned {
         trait_types = 31,         ///< a bit for each type
-        trait_computed = 32,      ///< an output or local
+        trait_computed = 32,      ///< an output or local that is no state, or a state that events may change
         trait_rate = 64,          ///< a state derivative
         trait_set_early = 128,    ///< may be set until initialization is over
         trait_set_running = 256,  ///< may be set afterwards
         trait_not_plain = 512,    ///< not a float64 input without bounds, which takes any finite value at any time
         trait_checked = 1024,     ///< input with a condition on the whole array
+        trait_state = 2048,       ///< there without a computation, once its start value is normalised
     };
     static constexpr unsigned trait_of(Type type) { return 1U << static_cast<unsigned>(type); }
     /// What the hot path needs of one value reference.

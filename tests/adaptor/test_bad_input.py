@@ -83,6 +83,20 @@ def test_start_quaternion_is_normalised(version: int) -> None:
         assert body.get("q_BN").tolist() == [1, 0, 0, 0]
 
 
+def test_a_state_is_there_without_what_is_computed_of_it(version: int) -> None:
+    """Before initialization is over it is normalised as it is read; afterwards no output need be possible."""
+    with Raw("SmoothRateObserver", version) as observer:
+        observer.set("q_EN", [1.001, 0, 0, 0])
+        observer.enter()
+        assert observer.get("q_EN").tolist() == [1, 0, 0, 0]
+        observer.fmu.exitInitializationMode()
+        observer.set("q_BN", [0, 0, 0, 0])
+        assert observer.get("q_EN").tolist() == [1, 0, 0, 0]
+        with pytest.raises(FMICallException):
+            observer.get("omega_BN_B_est")
+        refused(observer, "input q_BN has norm 0")
+
+
 @pytest.mark.parametrize("name", ["Quest", "VectorPd", "GyroFreeStabilization"])
 def test_measured_directions_are_unit_vectors(version: int, name: str) -> None:
     """With the tolerance of a quaternion: the square of the norm within 2 % of 1."""

@@ -20,6 +20,7 @@ def test_all_ways_lead_to_the_same_solution() -> None:
     assert all(row.cpu_ms > 0 for row in rows.values())
     errors = {way: row.error for way, row in rows.items()}
     assert errors["exact"] == errors["DOP853, rtol 1e-12"] < 1e-10
+    assert errors["DOP853, rtol 1e-12, with a table of inputs"] < 1e-10
     assert errors["DOP853, rtol 1e-11"] < 1e-9
     assert errors["SciPy's DOP853, rtol 1e-11"] < 1e-9
     assert errors["CVode, rtol 1e-10"] < 1e-6
@@ -44,5 +45,5 @@ def test_results_are_written_as_json(tmp_path: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(coupled, "smooth", lambda: ["velocity-free-tracking"])
     coupled.main(rounds=1, output=tmp_path)
     found = json.loads((tmp_path / "coupled.json").read_text(encoding="utf-8"))
-    assert [row["system"] for row in found] == 2 * ["velocity-free-tracking"] + 4 * ["observer-pd"]
+    assert [row["system"] for row in found] == 2 * ["velocity-free-tracking"] + 5 * ["observer-pd"]
     assert found[0]["error"] < 1e-9 < found[1]["error"]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from adcs import AdcsError, CoupledModel, Hook, LoopSolver, ModelExchange, RunFailed, System, run
+from adcs import AdcsError, CoupledModel, Hook, LoopSolver, ModelExchange, RunFailed, Save, System, run
 
 SOLVERS = {"DOP853": 1e-13, "CVode": 1e-7}
 ME = ModelExchange()
@@ -97,6 +97,18 @@ def test_rhs_and_outputs(chain, version):
         assert outputs["integrator.y"].tolist() == [7.0, 8.0, 9.0]
         assert outputs["gain.doubled"].tolist() == [4.0, 6.0, 8.0]
         assert model.next_event == np.inf
+
+
+def test_a_row_takes_the_calls_only_that_something_in_it_needs(chain):
+    """The same values, whatever else is recorded; of the source alone neither of the others is asked."""
+    whole = run(chain("2.0"), stop_time=1, step=0.25, method=ME)
+    for name in ("source.y", "gain.doubled", "integrator.y"):
+        with CoupledModel(chain("2.0"), record=[name]) as model:
+            row = model._outputs._plan.calls
+            asked = {call.component for call in row}
+            assert asked == ({"source", "gain"} if name == "gain.doubled" else {name.partition(".")[0]})
+        alone = run(chain("2.0"), stop_time=1, step=0.25, method=ME, save=Save([name]))
+        assert np.array_equal(alone[name], whole[name])
 
 
 @pytest.mark.parametrize("solver", SOLVERS)

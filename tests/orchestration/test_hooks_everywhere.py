@@ -8,6 +8,7 @@ import pytest
 import adcs
 from adcs import AdcsError, CoSimulation, Hook, ModelExchange, Save, System, run
 from orchestration.running.hooks.changes import Changes
+from orchestration.running.hooks.inputs import Table
 
 METHODS = {
     "adaptive": {"method": CoSimulation(adaptive=1e-9)},
@@ -61,6 +62,51 @@ def test_a_table_bends_between_two_rows(tmp_path, version):
         t = result.time
         exact = np.where(t < 0.6, t**2, 0.36 + 1.2 * (t - 0.6)) / 2
         assert rate(result) == pytest.approx(exact, abs=1e-8)
+
+
+@pytest.mark.parametrize("solver", ["DOP853", "CVode"])
+def test_a_table_gives_the_bits_of_one_that_is_asked(tmp_path, monkeypatch, solver):
+    """What is compiled asks it at the times of events only; before, between, at and after its times, and for -0.0."""
+    times = np.cumsum(np.random.default_rng(5).uniform(0.01, 0.3, 12)) + 0.2
+    rows = np.column_stack([times, np.random.default_rng(6).normal(size=(12, 6))])
+    rows[3] = [rows[3, 0], *(-0.0,) * 6]
+    names = [f"plant.{torque}[{i}]" for torque in ("torque_B", "torque_disturbance_B") for i in (1, 2, 3)]
+    table = tmp_path / "u.csv"
+    np.savetxt(table, rows, "%.17g", ",", header=",".join(["time", *names]), comments="")
+    open_ended = System("body")
+    open_ended.add("plant", "RigidBody", {"J_B": np.diag([1.0, 2.0, 2.5])})
+    asked = []
+    monkeypatch.setattr(Table, "at", lambda self, t, at=Table.at: asked.append(float(t[0])) or at(self, t))
+    settings = {"stop_time": 3.0, "step": 0.01, "method": ModelExchange(solver)}
+    followed = run(open_ended, **settings, hooks=[adcs.inputs(table)])
+    assert len(asked) < 20
+    monkeypatch.setattr("orchestration.coupled.model.lines_of", lambda source: None)
+    again = run(open_ended, **settings, hooks=[adcs.inputs(table)])
+    assert len(asked) > 300
+    assert np.array_equal(followed.data, again.data)
+    assert np.array_equal(np.signbit(followed.data), np.signbit(again.data))
+    assert followed.manifest["integrator"] == again.manifest["integrator"]
+
+
+def test_a_table_beside_a_source_that_has_to_be_asked(tmp_path):
+    class Ramp:
+        names = ("plant.torque_B[2]",)
+
+        def at(self, times):
+            return times[:, None]
+
+        def jump(self, after):
+            return np.inf
+
+    class Ramped(Hook):
+        def prepare(self, outline):
+            outline.sources.append(Ramp())
+
+    table = tmp_path / "u.csv"
+    table.write_text("time,plant.torque_B[1],plant.torque_B[3]\n0,1,0\n2,1,4\n")
+    result = run(body(None), stop_time=2.0, step=0.5, hooks=[Ramped(), adcs.inputs(table)], method=ModelExchange())
+    t = result.time
+    assert result["plant.omega_BN_B"] == pytest.approx(np.column_stack([t / 2, t**2 / 4, t**2 / 2]), abs=1e-9)
 
 
 def test_a_table_is_followed_by_the_steps_between_two_rows(tmp_path):

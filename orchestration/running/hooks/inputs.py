@@ -15,6 +15,7 @@ from fmus.errors import AdcsError
 from orchestration import expected
 from orchestration.fmu.number_types import BEYOND, EXACT, first_beyond, first_misfit
 from orchestration.plan.lowering import Floats
+from orchestration.plan.outside import Lines, Straight
 from orchestration.running.hook import Hook, listed
 from orchestration.running.hooks.ranges import outside_range
 from orchestration.running.hooks.tables import read_table, whole_column
@@ -22,7 +23,7 @@ from orchestration.running.outline import Outline
 from orchestration.system import System
 
 
-class Table:
+class Table(Straight):
     """Inputs whose values come from a table over time, for `names`.
 
     Between two times values of Float type are interpolated linearly, all others hold; before the first and after the
@@ -34,7 +35,7 @@ class Table:
 
         `source` is where they come from, for errors.
         """
-        times = np.asarray(times, float)
+        times = np.ascontiguousarray(times, float)
         if len(times) == 0 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
             raise AdcsError(f"{source}: times must be finite and increasing, and there must be at least one")
         self.names = list(columns)
@@ -54,6 +55,10 @@ class Table:
             self._continuous += [end.port.type.startswith("Float")] * part.shape[1]
         self._parts = parts
         self._values = np.hstack(parts) if parts else np.empty((len(times), 0))
+        slopes = np.zeros_like(self._values)
+        with np.errstate(over="ignore", invalid="ignore"):  # what comes of it is refused where it is set
+            slopes[:-1] = np.where(self._continuous, np.diff(self._values, axis=0) / np.diff(times)[:, None], 0.0)
+        self.lines = (Lines(times, self._values, slopes),)
 
     @classmethod
     def from_csv(cls, system: System, path: Path) -> Table:

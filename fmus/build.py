@@ -41,7 +41,7 @@ _log = logging.getLogger("adcs")
 Progress = Callable[[int, int, str], None]
 """Called with the number of steps done, of all steps, and the name of what was done."""
 
-ADAPTOR = ("instance", "events", "saved_state", "runtime", "fmi2", "fmi3")
+ADAPTOR = ("messages", "instance", "access", "events", "derivatives", "saved_state", "runtime", "fmi2", "fmi3")
 """Sources in src/fmi that every binary contains."""
 
 DESCRIBE_FLAGS = (

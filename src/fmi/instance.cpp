@@ -17,37 +17,6 @@ namespace {
 constexpr double spin_error_bound = 1.7453292519943296e-4;  // 0.01 deg/s
 
 double* floats(const Variable& v) { return static_cast<double*>(v.data); }
-bool all_finite(const double* values, std::size_t n) {
-    double zero = 0.0;
-    for (std::size_t i = 0; i < n; ++i) zero += 0.0 * values[i];
-    return zero == 0.0;
-}
-
-template <class Value>
-double as_number(Value value) {
-    return static_cast<double>(value);
-}
-double as_number(const char* /*text*/) { return 0.0; }  // none is ever set
-
-template <class Value, class Stored>
-Value as_passed(Stored stored) {
-    return static_cast<Value>(stored);
-}
-template <>
-const char* as_passed(const char* text) {
-    return text != nullptr ? text : "";
-}
-
-/// "0 (off), 1 (on)" of an enumeration, as far as there is room.
-void list_items(const Variable& v, char* text, std::size_t size) {
-    std::size_t used = 0;
-    *text = '\0';
-    for (std::uint32_t i = 0; i < v.n_items && used < size; ++i) {
-        const int n = std::snprintf(text + used, size - used, "%s%u (%s)", i == 0 ? "" : ", ", i, v.items[i]);
-        used += static_cast<std::size_t>(n);
-    }
-}
-
 void destroy_model(Model* model) {  // made by make_model() in memory from malloc
     model->~Model();
     std::free(model);
@@ -55,17 +24,7 @@ void destroy_model(Model* model) {  // made by make_model() in memory from mallo
 
 }  // namespace
 
-void element_name(const Variable& v, std::uint32_t element, char* buffer, std::size_t size) {
-    if (v.rows == 0) {
-        std::snprintf(buffer, size, "%s", v.name);
-    } else if (v.cols == 0) {
-        std::snprintf(buffer, size, "%s[%u]", v.name, element + 1);
-    } else {
-        std::snprintf(buffer, size, "%s[%u,%u]", v.name, element / v.cols + 1, element % v.cols + 1);
-    }
-}
-
-// ---------------------------------------------------------------------------------------------- life and messages
+// --------------------------------------------------------------------------------------------------------- life
 
 Instance* Instance::create(const char* name, const char* token, Interface interface, const Log& log) {
     Model* model = make_model();
@@ -94,8 +53,7 @@ Instance* Instance::create(const char* name, const char* token, Interface interf
 }
 
 Instance::Instance(const char* name, Interface interface, const Log& log, Model* model)
-    : interface_(interface), log_(log), model_(model) {
-    std::snprintf(name_, sizeof name_, "%s", name);
+    : Messages(model->name(), name, log), interface_(interface), model_(model) {
     make_token(model_->name(), table(), token_);
     model_->reset();
     for (const Variable& v : table()) {
@@ -181,25 +139,6 @@ void Instance::destroy(Instance* instance) {
     std::free(instance);
 }
 
-void Instance::message(Status status, const char* category, const char* format, std::va_list arguments) {
-    if (log_.write == nullptr) return;
-    char text[768];
-    const int start = std::snprintf(text, sizeof text, "%s '%s': ", model_->name(), name_);
-    std::vsnprintf(text + start, sizeof text - static_cast<std::size_t>(start), format, arguments);
-    for (char* c = text; *c != '\0'; ++c) {
-        if (*c == '%' || *c == '#') *c = ' ';  // FMI 2 loggers read these as directives
-    }
-    log_.write(log_.context, status, category, text);
-}
-
-Status Instance::error(const char* format, ...) {
-    std::va_list arguments;
-    va_start(arguments, format);
-    message(Status::error, log_categories[0].name, format, arguments);
-    va_end(arguments);
-    return Status::error;
-}
-
 Status Instance::beyond(const char* format, ...) {
     const Status status = mode_ == mode_continuous ? Status::discard : Status::error;
     std::va_list arguments;
@@ -207,21 +146,6 @@ Status Instance::beyond(const char* format, ...) {
     message(status, log_categories[0].name, format, arguments);
     va_end(arguments);
     return status;
-}
-
-void Instance::event(const char* format, ...) {
-    if (!log_events_) return;
-    std::va_list arguments;
-    va_start(arguments, format);
-    message(Status::ok, log_categories[2].name, format, arguments);
-    va_end(arguments);
-}
-
-void Instance::warning(const char* format, ...) {
-    std::va_list arguments;
-    va_start(arguments, format);
-    message(Status::warning, log_categories[1].name, format, arguments);
-    va_end(arguments);
 }
 
 bool Instance::refuse(const char* function) {
@@ -233,20 +157,6 @@ bool Instance::refuse(const char* function) {
                                                      : "after terminate";
     error("%s may not be called %s", function, now);
     return false;
-}
-
-Status Instance::set_debug_logging(bool on, std::size_t n, const char* const* categories) {
-    if (n != 0 && categories == nullptr) return null_pointer("set debug logging");
-    bool events = n == 0;
-    for (std::size_t i = 0; i < n; ++i) {
-        if (categories[i] == nullptr) return null_pointer("set debug logging");
-        bool known = false;
-        for (const LogCategory& c : log_categories) known = known || std::strcmp(categories[i], c.name) == 0;
-        if (!known) return error("log category '%.60s' is not known", categories[i]);
-        events = events || std::strcmp(categories[i], log_categories[2].name) == 0;
-    }
-    if (events) log_events_ = on;
-    return Status::ok;
 }
 
 // --------------------------------------------------------------------------------------------------------- modes
@@ -352,169 +262,6 @@ Status Instance::reset() {
     parameters_checked_ = inputs_checked_ = false;
     return Status::ok;
 }
-
-// -------------------------------------------------------------------------------------------------------- values
-
-template <Addressing A>
-const Instance::Scalar* Instance::find(const char* function, std::uint32_t vr) {
-    if (vr < n_scalars_ && count_of<A>(scalars_[vr]) != 0) return &scalars_[vr];
-    error("%s: value reference %u is not known", function, vr);
-    return nullptr;
-}
-
-/// Whether all references are known and stand for so many values; `traits` is what any of them has.
-template <Addressing A>
-bool Instance::scan(const std::uint32_t* vrs, std::size_t n, std::size_t n_values, unsigned* traits) const {
-    const Scalar* scalars = scalars_;
-    const std::uint32_t n_scalars = n_scalars_;
-    std::size_t count = 0;
-    unsigned any = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-        if (vrs[i] >= n_scalars || count_of<A>(scalars[vrs[i]]) == 0) return false;
-        any |= scalars[vrs[i]].traits;
-        count += count_of<A>(scalars[vrs[i]]);
-    }
-    *traits = any;
-    return count == n_values;
-}
-
-/// What is wrong with references that are not to be read.
-template <Addressing A, class P>
-Status Instance::check_references(const char* function, const std::uint32_t* vrs, std::size_t n, std::size_t n_values) {
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-        const Scalar* s = find<A>(function, vrs[i]);
-        if (s == nullptr) return Status::error;
-        if ((s->traits & P::traits) == 0) {
-            return error("%s: %s has another type", function, s->variable->name);
-        }
-        count += count_of<A>(*s);
-    }
-    return count == n_values ? Status::ok : error("%s: %zu values given, %zu expected", function, n_values, count);
-}
-
-template <Addressing A, class P>
-Status Instance::get(const char* function, const std::uint32_t* vrs, std::size_t n, typename P::Value* values,
-                     std::size_t n_values) {
-    if ((vrs == nullptr && n != 0) || (values == nullptr && n_values != 0)) return null_pointer(function);
-    unsigned traits = 0;
-    if (!scan<A>(vrs, n, n_values, &traits) || (traits & trait_types & ~P::traits) != 0) {
-        return check_references<A, P>(function, vrs, n, n_values);
-    }
-    if (mode_ != mode_instantiated) {  // before initialization nothing is computed yet
-        if ((traits & trait_rate) != 0 && !derivatives_fresh_) {
-            if (Status status = evaluate_derivatives(); status != Status::ok) return status;
-        } else if ((traits & trait_computed) != 0 && !outputs_fresh_) {
-            if (Status status = evaluate(); status != Status::ok) return status;
-        } else if ((traits & trait_state) != 0) {
-            if (Status status = check_parameters(); status != Status::ok) return status;
-        }
-    }
-    const Scalar* scalars = scalars_;
-    for (std::size_t i = 0; i < n; ++i) {
-        const Scalar& s = scalars[vrs[i]];
-        const auto* from = static_cast<const typename P::Stored*>(s.data);
-        for (std::uint32_t e = 0; e < count_of<A>(s); ++e) *values++ = as_passed<typename P::Value>(from[e]);
-    }
-    return Status::ok;
-}
-
-bool Instance::may_set(const char* function, const Scalar& s) {
-    const unsigned wanted =
-        (mode_ & (mode_instantiated | mode_initialization)) != 0 ? trait_set_early : trait_set_running;
-    if ((s.traits & wanted) != 0) return true;
-    error("%s: %s can not be set %s", function, s.variable->name,
-          (s.traits & trait_set_early) != 0 ? "after initialization" : "because the component computes it");
-    return false;
-}
-
-bool Instance::in_range(const char* function, const Variable& v, std::uint32_t element, double value) {
-    const bool is_listed = v.type == Type::enumeration ? is_item(v, value)
-                           : v.type == Type::boolean   ? value == 0.0 || value == 1.0
-                                                       : true;
-    if (std::isfinite(value) && is_listed && value > v.above && value >= v.min && value <= v.max) return true;
-    char name[128];
-    element_name(v, element, name, sizeof name);
-    if (v.type == Type::enumeration) {
-        char items[256];
-        list_items(v, items, sizeof items);
-        error("%s: %s = %.17g refused: one of its items is expected, %s", function, name, value, items);
-    } else if (v.type == Type::boolean) {
-        error("%s: %s = %.17g refused: 0 or 1 is expected", function, name, value);
-    } else if (!std::isfinite(value)) {
-        error("%s: %s = %g refused: a finite number is expected", function, name, value);
-    } else if (!(value > v.above)) {
-        error("%s: %s = %g refused: must be above %g", function, name, value, v.above);
-    } else if (!(value >= v.min)) {
-        error("%s: %s = %g refused: must be at least %g", function, name, value, v.min);
-    } else {
-        error("%s: %s = %g refused: must be at most %g", function, name, value, v.max);
-    }
-    return false;
-}
-
-template <Addressing A, class P>
-Status Instance::check_values(const char* function, const std::uint32_t* vrs, std::size_t n,
-                              const typename P::Value* values, std::size_t n_values) {
-    std::size_t done = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-        const Scalar* s = find<A>(function, vrs[i]);
-        if (s == nullptr) return Status::error;
-        const Variable& v = *s->variable;
-        if ((s->traits & P::traits) == 0) return error("%s: %s has another type", function, v.name);
-        if (!may_set(function, *s)) return Status::error;
-        const std::uint32_t count = count_of<A>(*s);
-        if (done + count > n_values) return error("%s: %zu values given, more expected", function, n_values);
-        for (std::uint32_t e = 0; e < count; ++e) {
-            if (!in_range(function, v, vrs[i] - v.vr + e, as_number(values[done + e]))) return Status::error;
-        }
-        done += count;
-    }
-    return done == n_values ? Status::ok : error("%s: %zu values given, %zu expected", function, n_values, done);
-}
-
-template <Addressing A, class P>
-Status Instance::set(const char* function, const std::uint32_t* vrs, std::size_t n, const typename P::Value* values,
-                     std::size_t n_values) {
-    if ((vrs == nullptr && n != 0) || (values == nullptr && n_values != 0)) return null_pointer(function);
-    // What an importer sets in its loop are finite values of plain inputs: nothing else needs a closer look.
-    unsigned traits = 0;
-    bool plain = false;
-    if constexpr (std::is_same_v<P, Floats>) {
-        plain = scan<A>(vrs, n, n_values, &traits) && (traits & trait_not_plain) == 0 && all_finite(values, n_values);
-    }
-    if (!plain) {  // all values are checked before the first one is stored
-        const Status status = check_values<A, P>(function, vrs, n, values, n_values);
-        if (status != Status::ok) return status;
-        parameters_checked_ = false;
-    }
-    const Scalar* scalars = scalars_;
-    for (std::size_t i = 0; i < n; ++i) {
-        const Scalar& s = scalars[vrs[i]];
-        auto* to = static_cast<typename P::Stored*>(s.data);
-        for (std::uint32_t e = 0; e < count_of<A>(s); ++e) to[e] = static_cast<typename P::Stored>(*values++);
-    }
-    // scan() may have given up before the end, but then everything is to be checked again
-    inputs_checked_ = inputs_checked_ && plain && (traits & trait_checked) == 0;
-    outputs_fresh_ = derivatives_fresh_ = false;
-    return Status::ok;
-}
-
-#define ADCS_VALUES(ADDRESSING, PASSED)                                                                               \
-    template Status Instance::get<ADDRESSING, PASSED>(const char*, const std::uint32_t*, std::size_t, PASSED::Value*, \
-                                                      std::size_t);                                                   \
-    template Status Instance::set<ADDRESSING, PASSED>(const char*, const std::uint32_t*, std::size_t,                 \
-                                                      const PASSED::Value*, std::size_t);
-ADCS_VALUES(Addressing::scalars, Floats)
-ADCS_VALUES(Addressing::scalars, fmi2::IntegersAndItems)
-ADCS_VALUES(Addressing::scalars, fmi2::Booleans)
-ADCS_VALUES(Addressing::scalars, Texts)
-ADCS_VALUES(Addressing::arrays, Floats)
-ADCS_VALUES(Addressing::arrays, Integers)
-ADCS_VALUES(Addressing::arrays, fmi3::EnumerationItems)
-ADCS_VALUES(Addressing::arrays, fmi3::Booleans)
-ADCS_VALUES(Addressing::arrays, Texts)
-#undef ADCS_VALUES
 
 // --------------------------------------------------------------------------------------------------- evaluation
 
@@ -892,131 +639,6 @@ Status Instance::enter_continuous_time() {
     if (Status status = evaluate(); status != Status::ok) return status;
     if (at_sample() || reacts()) commit();
     mode_ = mode_continuous;
-    return Status::ok;
-}
-
-// --------------------------------------------------------------------------------------- directional derivatives
-
-template <Addressing A>
-Status Instance::expand(const char* function, const std::uint32_t* vrs, std::size_t n, Directional* scalars,
-                        std::size_t n_scalars) {
-    std::size_t done = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-        const Scalar* s = find<A>(function, vrs[i]);
-        if (s == nullptr) return Status::error;
-        const Variable* v = s->variable;
-        if (v->type != Type::float64 || (v->role == Role::held && v->causality != Causality::output) ||
-            v->causality == Causality::independent) {
-            return error("%s: %s has no derivative", function, v->name);
-        }
-        const std::uint32_t count = count_of<A>(*s);
-        if (done + count > n_scalars || done + count > table().next_vr) {
-            return error("%s: %zu values given, more expected", function, n_scalars);
-        }
-        for (std::uint32_t e = 0; e < count; ++e) scalars[done++].vr = vrs[i] + e;
-    }
-    return done == n_scalars ? Status::ok : error("%s: %zu values given, %zu expected", function, n_scalars, done);
-}
-
-/// Finds the `n_known` and `n_unknown` scalars that are meant and brings the values up to date at which they are to be
-/// differentiated.
-Status Instance::prepare_derivatives(const char* function, Addressing addressing, const std::uint32_t* unknowns,
-                                     std::size_t n_unknowns, std::size_t n_unknown, const std::uint32_t* knowns,
-                                     std::size_t n_knowns, std::size_t n_known) {
-    const auto scalars = addressing == Addressing::scalars ? &Instance::expand<Addressing::scalars>
-                                                           : &Instance::expand<Addressing::arrays>;
-    Directional* known = known_scalars();
-    Directional* unknown = unknown_scalars();
-    if (Status status = (this->*scalars)(function, knowns, n_knowns, known, n_known); status != Status::ok)
-        return status;
-    if (Status status = (this->*scalars)(function, unknowns, n_unknowns, unknown, n_unknown); status != Status::ok)
-        return status;
-    for (std::size_t i = 0; i < n_known; ++i) {
-        const Variable& v = table().variables[table().owner[known[i].vr]];
-        if (v.causality != Causality::input && v.causality != Causality::parameter && v.role != Role::state) {
-            return error("%s: %s is not an input, state or parameter", function, v.name);
-        }
-    }
-    for (std::size_t i = 0; i < n_unknown; ++i) {
-        const Variable& v = table().variables[table().owner[unknown[i].vr]];
-        if (v.causality != Causality::output && v.role != Role::derivative) {
-            return error("%s: %s is not an output or derivative", function, v.name);
-        }
-    }
-    if (Status status = evaluate_derivatives(); status != Status::ok) return status;
-    if (at_sample()) {
-        copy_held(held_, false);
-        outputs_fresh_ = derivatives_fresh_ = false;
-    }
-    return Status::ok;
-}
-
-/// The derivatives of the prepared unknowns along `known`, in their `value`: all finite, or an error.
-Status Instance::differentiate_along(const char* function, const Directional* known, std::size_t n_known,
-                                     std::size_t n_unknown) {
-    Directional* unknown = unknown_scalars();
-    const char* why = model_->differentiate(known, n_known, unknown, n_unknown, clocks_, holding());
-    if (why != nullptr) return error("%s: %s", function, why);
-    for (std::size_t i = 0; i < n_unknown; ++i) {
-        if (std::isfinite(unknown[i].value)) continue;
-        const Variable& v = table().variables[table().owner[unknown[i].vr]];
-        char name[128];
-        element_name(v, unknown[i].vr - v.vr, name, sizeof name);
-        return error("at t = %g: the directional derivative of %s%s is %g", time_,
-                     v.role == Role::derivative ? "the derivative of " : "", name, unknown[i].value);
-    }
-    return Status::ok;
-}
-
-Status Instance::differentiate(const char* function, Addressing addressing, const std::uint32_t* unknowns,
-                               std::size_t n_unknowns, const std::uint32_t* knowns, std::size_t n_knowns,
-                               const double* seed, std::size_t n_seed, double* sensitivity, std::size_t n_sensitivity) {
-    if ((n_unknowns != 0 && unknowns == nullptr) || (n_knowns != 0 && knowns == nullptr) ||
-        (n_seed != 0 && seed == nullptr) || (n_sensitivity != 0 && sensitivity == nullptr)) {
-        return null_pointer(function);
-    }
-    if (Status status =
-            prepare_derivatives(function, addressing, unknowns, n_unknowns, n_sensitivity, knowns, n_knowns, n_seed);
-        status != Status::ok) {
-        return status;
-    }
-    Directional* known = known_scalars();
-    for (std::size_t i = 0; i < n_seed; ++i) known[i].value = seed[i];
-    if (Status status = differentiate_along(function, known, n_seed, n_sensitivity); status != Status::ok)
-        return status;
-    for (std::size_t i = 0; i < n_sensitivity; ++i) sensitivity[i] = unknown_scalars()[i].value;
-    return Status::ok;
-}
-
-Status Instance::differentiate_adjoint(const char* function, Addressing addressing, const std::uint32_t* unknowns,
-                                       std::size_t n_unknowns, const std::uint32_t* knowns, std::size_t n_knowns,
-                                       const double* seed, std::size_t n_seed, double* sensitivity,
-                                       std::size_t n_sensitivity) {
-    if ((n_unknowns != 0 && unknowns == nullptr) || (n_knowns != 0 && knowns == nullptr) ||
-        (n_seed != 0 && seed == nullptr) || (n_sensitivity != 0 && sensitivity == nullptr)) {
-        return null_pointer(function);
-    }
-    if (Status status =
-            prepare_derivatives(function, addressing, unknowns, n_unknowns, n_seed, knowns, n_knowns, n_sensitivity);
-        status != Status::ok) {
-        return status;
-    }
-    Directional* known = known_scalars();
-    if (n_sensitivity == 0) return differentiate_along(function, known, 0, n_seed);
-    for (std::size_t i = 0; i < n_sensitivity; ++i) {
-        const Directional column{known[i].vr, 1.0};
-        if (Status status = differentiate_along(function, &column, 1, n_seed); status != Status::ok) return status;
-        double sum = 0.0;
-        for (std::size_t j = 0; j < n_seed; ++j) sum += seed[j] * unknown_scalars()[j].value;
-        if (!std::isfinite(sum)) {
-            const Variable& v = table().variables[table().owner[known[i].vr]];
-            char name[128];
-            element_name(v, known[i].vr - v.vr, name, sizeof name);
-            return error("at t = %g: the adjoint derivative by %s is %g", time_, name, sum);
-        }
-        known[i].value = sum;
-    }
-    for (std::size_t i = 0; i < n_sensitivity; ++i) sensitivity[i] = known[i].value;
     return Status::ok;
 }
 

@@ -1,16 +1,14 @@
 // One FMU instance: its mode, time, values, integrator and sampling clock. FMI 2 and FMI 3 are thin layers on this.
 #pragma once
 
-#include <cstdarg>
 #include <cstddef>
 #include <cstdint>
 
-#include "fmi/compiler.hpp"
+#include "fmi/messages.hpp"
 #include "fmi/model.hpp"
 
 namespace adcs {
 
-enum class Status : int { ok, warning, discard, error, fatal };  // the numbers of fmi2Status and fmi3Status
 enum class Interface : std::uint8_t { model_exchange, co_simulation };
 /// FMI 2 addresses scalars, FMI 3 whole arrays by the reference of their first element.
 enum class Addressing : std::uint8_t { scalars, arrays };
@@ -47,22 +45,6 @@ enum Mode : unsigned {
 inline constexpr unsigned mode_running = mode_event | mode_continuous | mode_step;
 inline constexpr unsigned mode_readable = mode_initialization | mode_running | mode_terminated;
 
-/// Where messages go; `category` is one of log_categories.
-struct Log {
-    void (*write)(void* context, Status status, const char* category, const char* message) = nullptr;
-    void* context = nullptr;
-};
-
-struct LogCategory {
-    const char* name;
-    const char* description;
-};
-inline constexpr LogCategory log_categories[] = {
-    {"logStatusError", "refused calls and values, failed evaluations"},
-    {"logStatusWarning", "things that work but are probably not meant"},
-    {"logEvents", "mode changes and samples"},
-};
-
 /// What an importer of Model Exchange is told of an event.
 struct Discrete {
     bool states_changed = false, next_event_defined = false;
@@ -76,7 +58,7 @@ inline constexpr std::size_t most_events = 1000000;
 /// step that will never end.
 inline constexpr double step_budget = 1e8;
 
-class Instance {
+class Instance : public Messages {
 public:
     /// nullptr without memory or if the token is not this binary's; the log says why.
     static Instance* create(const char* name, const char* token, Interface interface, const Log& log);
@@ -87,7 +69,6 @@ public:
     Interface interface() const { return interface_; }
     const Table& table() const { return model_->table(); }
 
-    Status set_debug_logging(bool on, std::size_t n, const char* const* categories);
     Status setup(bool stop_defined, double start, double stop);
     Status enter_initialization();
     Status exit_initialization();
@@ -141,22 +122,15 @@ public:
     /// After which a pointer to it is known not to be a saved state, as long as its memory is not used again.
     static void free_state(void** state);
 
-    /// Reports and returns an error.
-    Status error(const char* format, ...) ADCS_PRINTF_LIKE(2, 3);
     /// Of a state at which a law has no values. In continuous-time mode an integrator has tried it, and may try one
     /// nearer: fmi2Discard and fmi3Discard.
     Status beyond(const char* format, ...) ADCS_PRINTF_LIKE(2, 3);
-    /// Of a pointer without which a function cannot do what it is asked for.
-    Status null_pointer(const char* function) { return error("%s: a pointer is NULL", function); }
 
 private:
     bool refuse(const char* function);
     Instance(const char* name, Interface interface, const Log& log, Model* model);
     ~Instance();
 
-    void message(Status status, const char* category, const char* format, std::va_list arguments);
-    void event(const char* format, ...) ADCS_PRINTF_LIKE(2, 3);
-    void warning(const char* format, ...) ADCS_PRINTF_LIKE(2, 3);
     /// Properties of a value reference as bits, so that a loop over many can gather what any of them has.
     enum Trait : unsigned {
         trait_types = 31,         ///< a bit for each type
@@ -264,10 +238,7 @@ private:
     Status check_loaded(const char* function);
     bool fits(const Clock& clock, const Clock& expected, bool due) const;
 
-    char name_[128];
     Interface interface_;
-    Log log_;
-    bool log_events_ = false;
     Model* model_;
     char token_[40]{};
     std::size_t n_states_ = 0, n_outputs_ = 0, n_held_ = 0, n_checked_inputs_ = 0, n_unit_states_ = 0;
@@ -309,6 +280,13 @@ private:
     bool inputs_checked_ = false;
     bool spin_reported_ = false;  ///< one warning is enough
 };
+
+template <Addressing A>
+const Instance::Scalar* Instance::find(const char* function, std::uint32_t vr) {
+    if (vr < n_scalars_ && count_of<A>(scalars_[vr]) != 0) return &scalars_[vr];
+    error("%s: value reference %u is not known", function, vr);
+    return nullptr;
+}
 
 /// "q_BN[2]", "J_B[1,3]" or the bare name of a scalar.
 void element_name(const Variable& v, std::uint32_t element, char* buffer, std::size_t size);

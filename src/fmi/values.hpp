@@ -1,6 +1,8 @@
 // One element of a variable as a number, whatever its type is.
 #pragma once
 
+#include <cstdio>
+
 #include "fmi/declaration.hpp"
 #include "fmi/lifted.hpp"
 
@@ -45,6 +47,16 @@ void set_number(const Variable& v, std::uint32_t e, double number) {
 /// Whether a number is one of the items of an enumeration.
 inline bool is_item(const Variable& v, double number) {
     return number >= 0.0 && number < v.n_items && static_cast<std::uint32_t>(number) == number;
+}
+
+/// "0 (off), 1 (on)" of an enumeration, as far as there is room.
+inline void list_items(const Variable& v, char* text, std::size_t size) {
+    std::size_t used = 0;
+    *text = '\0';
+    for (std::uint32_t i = 0; i < v.n_items && used < size; ++i) {
+        const int n = std::snprintf(text + used, size - used, "%s%u (%s)", i == 0 ? "" : ", ", i, v.items[i]);
+        used += static_cast<std::size_t>(n);
+    }
 }
 
 }  // namespace adcs

@@ -48,8 +48,9 @@ def test_sources_are_those_of_one_fmi_version(built):
         with zipfile.ZipFile(built / fmu) as archive:
             listed = etree.fromstring(archive.read("sources/buildDescription.xml")).iterfind(".//SourceFile")
             assert [file.get("name") for file in listed] == [
-                *("model.cpp", "fmi/instance.cpp", "fmi/saved_state.cpp", "fmi/runtime.cpp"),
-                f"fmi/{own}.cpp",
+                "model.cpp",
+                *(f"fmi/{name}.cpp" for name in ("messages", "instance", "access", "events", "derivatives")),
+                *(f"fmi/{name}.cpp" for name in ("saved_state", "runtime", own)),
             ]
             assert f"sources/fmi/{other}.cpp" not in archive.namelist()
 

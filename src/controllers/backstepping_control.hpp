@@ -35,7 +35,8 @@ struct BacksteppingControl {
     static constexpr auto summary =
         "Backstepping attitude tracking in MRP with limited commands and disturbance rejection";
     static constexpr auto reference =
-        "Thesis on robust and adaptive nonlinear attitude control of a spacecraft, chapter 8 and appendix C.1";
+        "Trigo, Robust and Adaptive Nonlinear Attitude Control of a Spacecraft, MSc dissertation, 2011, chapter 8 and "
+        "appendix C.1";
 
     Mrp<T> sigma_BO{0.0, 0.0, 0.0}, sigma_RO{0.0, 0.0, 0.0}, sigmaDot_RO{0.0, 0.0, 0.0};
     Vec3<T> omega_BN_B{0.0, 0.0, 0.0}, torque_disturbance_B_est{0.0, 0.0, 0.0};

@@ -12,7 +12,7 @@ namespace adcs {
 template <class T>
 struct TorqueSwitch {
     static constexpr auto summary = "Passes the control torque on, or none";
-    static constexpr auto reference = "";
+    static constexpr auto reference = "Made for this project, from no publication";
 
     Vec3<T> torque_B{0.0, 0.0, 0.0}, torque_applied_B{0.0, 0.0, 0.0};
     bool enabled = true;

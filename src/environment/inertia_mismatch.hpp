@@ -22,7 +22,8 @@ template <class T>
 struct InertiaMismatch {
     static constexpr auto summary = "Torque by which a body of the true inertia differs from one of the known inertia";
     static constexpr auto reference =
-        "Thesis on robust and adaptive nonlinear attitude control of a spacecraft, Secs. 4.1 and 9.1.1";
+        "Trigo, Robust and Adaptive Nonlinear Attitude Control of a Spacecraft, MSc dissertation, 2011, Secs. 4.1 and "
+        "9.1.1";
 
     Mrp<T> sigma_BO{0.0, 0.0, 0.0};
     Vec3<T> omega_BN_B{0.0, 0.0, 0.0}, torque_control_B{0.0, 0.0, 0.0};

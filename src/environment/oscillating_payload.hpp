@@ -30,7 +30,8 @@ template <class T>
 struct OscillatingPayload {
     static constexpr auto summary = "Disturbance torque of a part that swings about its own centre of mass";
     static constexpr auto reference =
-        "Thesis on robust and adaptive nonlinear attitude control of a spacecraft, Secs. 4.2.2 and 9.1.3";
+        "Trigo, Robust and Adaptive Nonlinear Attitude Control of a Spacecraft, MSc dissertation, 2011, Secs. 4.2.2 "
+        "and 9.1.3";
 
     T time = 0.0;
     Mrp<T> sigma_BO{0.0, 0.0, 0.0};

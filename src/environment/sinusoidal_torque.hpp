@@ -14,7 +14,7 @@ namespace adcs {
 template <class T>
 struct SinusoidalTorque {
     static constexpr auto summary = "Disturbance torque, a bias and a sinusoid on each axis of the body";
-    static constexpr auto reference = "";
+    static constexpr auto reference = "Made for this project, from no publication";
 
     T time = 0.0;
     Vec3<T> torque_bias{0.0, 0.0, 0.0};

@@ -21,7 +21,8 @@ template <class T>
 struct SpinningWheel {
     static constexpr auto summary = "Gyroscopic disturbance torque of a wheel that spins uncontrolled";
     static constexpr auto reference =
-        "Thesis on robust and adaptive nonlinear attitude control of a spacecraft, Secs. 4.2.1 and 9.1.2";
+        "Trigo, Robust and Adaptive Nonlinear Attitude Control of a Spacecraft, MSc dissertation, 2011, Secs. 4.2.1 "
+        "and 9.1.2";
 
     T time = 0.0;
     Vec3<T> omega_BN_B{0.0, 0.0, 0.0};

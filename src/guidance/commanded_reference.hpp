@@ -18,7 +18,7 @@ namespace adcs {
 template <class T>
 struct CommandedReference {
     static constexpr auto summary = "The reference of guidance, or the attitude that an operator commands";
-    static constexpr auto reference = "";
+    static constexpr auto reference = "Made for this project, from no publication";
 
     Quat<T> q_RN{1.0, 0.0, 0.0, 0.0}, q_CN{1.0, 0.0, 0.0, 0.0}, q_BN{1.0, 0.0, 0.0, 0.0};
     Quat<T> q_SN{1.0, 0.0, 0.0, 0.0};

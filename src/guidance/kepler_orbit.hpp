@@ -23,7 +23,8 @@ namespace adcs {
 template <class T>
 struct KeplerOrbit {
     static constexpr auto summary = "Elliptic orbit around a spherical Earth, in closed form";
-    static constexpr auto reference = "";
+    static constexpr auto reference =
+        "Montenbruck, Gill, Satellite Orbits: Models, Methods and Applications, 2000, chapter 2";
 
     T time = 0.0;
     T semi_major_axis = 7.0e6, eccentricity = 0.0, inclination = 0.0;

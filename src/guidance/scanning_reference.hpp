@@ -23,7 +23,8 @@ template <class T>
 struct ScanningReference {
     static constexpr auto summary = "Reference attitude as MRP: smoothed slew from nadir, rest, then a sinusoidal scan";
     static constexpr auto reference =
-        "Thesis on robust and adaptive nonlinear attitude control of a spacecraft, Sec. 9.2 and appendix D";
+        "Trigo, Robust and Adaptive Nonlinear Attitude Control of a Spacecraft, MSc dissertation, 2011, Sec. 9.2 and "
+        "appendix D";
 
     T time = 0.0;
     Vec3<T> axis{-1.0, 1.0, 0.5};

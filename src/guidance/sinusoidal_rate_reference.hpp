@@ -22,7 +22,7 @@ namespace adcs {
 template <class T>
 struct SinusoidalRateReference {
     static constexpr auto summary = "Reference attitude with a bias and a sinusoid as angular velocity on each axis";
-    static constexpr auto reference = "";
+    static constexpr auto reference = "Made for this project, from no publication";
 
     T time = 0.0;
     Vec3<T> rate_bias{0.0, 0.0, 0.0};

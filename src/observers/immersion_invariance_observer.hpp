@@ -20,7 +20,7 @@ struct ImmersionInvarianceObserver {
     static constexpr auto summary =
         "Disturbance torque from the rate and the expected acceleration, by immersion and invariance";
     static constexpr auto reference =
-        "Thesis on robust and adaptive nonlinear attitude control of a spacecraft, Sec. 8.6";
+        "Trigo, Robust and Adaptive Nonlinear Attitude Control of a Spacecraft, MSc dissertation, 2011, Sec. 8.6";
 
     Vec3<T> omega_BN_B{0.0, 0.0, 0.0}, acceleration_expected_B{0.0, 0.0, 0.0};
     Mat3<T> J0_B{{37.0 / 12.0, 0.0, 0.0}, {0.0, 37.0 / 12.0, 0.0}, {0.0, 0.0, 25.0 / 12.0}};

@@ -28,7 +28,8 @@ struct NonlinearExtendedStateObserver {
     static constexpr auto summary =
         "Disturbance torque and angular velocity from the rate, with high gain near the origin";
     static constexpr auto reference =
-        "Thesis on robust and adaptive nonlinear attitude control of a spacecraft, Secs. 8.4.1 and C.2";
+        "Trigo, Robust and Adaptive Nonlinear Attitude Control of a Spacecraft, MSc dissertation, 2011, Secs. 8.4.1 "
+        "and C.2";
 
     Mrp<T> sigma_BO{0.0, 0.0, 0.0};
     Vec3<T> omega_BN_B{0.0, 0.0, 0.0}, torque_B{0.0, 0.0, 0.0};

@@ -21,7 +21,8 @@ struct TuningFunctionObserver {
     static constexpr auto summary =
         "Disturbance torque from the tracking error of a backstepping law, by tuning functions";
     static constexpr auto reference =
-        "Thesis on robust and adaptive nonlinear attitude control of a spacecraft, Secs. 8.5 and C.2";
+        "Trigo, Robust and Adaptive Nonlinear Attitude Control of a Spacecraft, MSc dissertation, 2011, Secs. 8.5 and "
+        "C.2";
 
     Vec3<T> z_2_bar_B{0.0, 0.0, 0.0};
     Mat3<T> G = 15.0 * Mat3<T>::Identity();

@@ -16,7 +16,7 @@ namespace adcs {
 template <class T>
 struct ForceTorqueActuator {
     static constexpr auto summary = "Force and torque with optional limits, and what they add up to";
-    static constexpr auto reference = "";
+    static constexpr auto reference = "Made for this project, from no publication";
 
     Vec3<T> force_command_B{0.0, 0.0, 0.0}, torque_command_B{0.0, 0.0, 0.0};
     T max_force = 0.0, max_torque = 0.0;

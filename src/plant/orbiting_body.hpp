@@ -31,7 +31,8 @@ template <class T>
 struct OrbitingBody {
     static constexpr auto summary = "Rotation of a rigid spacecraft in a circular orbit, relative to LVLH";
     static constexpr auto reference =
-        "Thesis on robust and adaptive nonlinear attitude control of a spacecraft, Eqs. (3.2)-(3.40), (4.5), (9.13)";
+        "Trigo, Robust and Adaptive Nonlinear Attitude Control of a Spacecraft, MSc dissertation, 2011, Eqs. "
+        "(3.2)-(3.40), (4.5), (9.13)";
 
     Vec3<T> torque_B{0.0, 0.0, 0.0}, torque_disturbance_B{0.0, 0.0, 0.0};
     Mat3<T> J_B{{37.0 / 12.0, 0.0, 0.0}, {0.0, 37.0 / 12.0, 0.0}, {0.0, 0.0, 25.0 / 12.0}};

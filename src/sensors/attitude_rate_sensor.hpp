@@ -19,7 +19,7 @@ namespace adcs {
 template <class T>
 struct AttitudeRateSensor {
     static constexpr auto summary = "Attitude (MRP) and angular velocity, exact or sampled with Gaussian noise";
-    static constexpr auto reference = "";
+    static constexpr auto reference = "Made for this project, from no publication";
     static constexpr Stream stream{"AttitudeRateSensor"};
 
     Mrp<T> sigma_BO{0.0, 0.0, 0.0};

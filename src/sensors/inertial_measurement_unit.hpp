@@ -22,7 +22,9 @@ namespace adcs {
 template <class T>
 struct InertialMeasurementUnit {
     static constexpr auto summary = "Gyro and accelerometer with bias and noise";
-    static constexpr auto reference = "";
+    static constexpr auto reference =
+        "Markley, Crassidis, Fundamentals of Spacecraft Attitude Determination and Control, 2014, chapter 4; without "
+        "the drift of the bias";
     static constexpr Stream stream{"InertialMeasurementUnit"};
 
     Vec3<T> omega_BN_B{0.0, 0.0, 0.0}, specific_force_B{0.0, 0.0, 0.0};

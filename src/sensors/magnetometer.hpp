@@ -18,7 +18,8 @@ namespace adcs {
 template <class T>
 struct Magnetometer {
     static constexpr auto summary = "Magnetic field in the body frame with bias and noise";
-    static constexpr auto reference = "";
+    static constexpr auto reference =
+        "Markley, Crassidis, Fundamentals of Spacecraft Attitude Determination and Control, 2014, chapter 4";
     static constexpr Stream stream{"Magnetometer"};
 
     Quat<T> q_BN{1.0, 0.0, 0.0, 0.0};

@@ -1,7 +1,10 @@
+import re
+
 import pytest
 
 from adcs import AdcsError
 from fmus import catalog
+from fmus.code import without_comments
 
 
 def test_the_five_components_with_their_kinds():
@@ -57,3 +60,9 @@ def test_a_name_that_is_no_file_name_is_refused_as_any_other():
     for name in ("", "../plant/RigidBody", "A\0B", "rigid_body", "x" * 5000):
         with pytest.raises(AdcsError, match="no component is called"):
             catalog.find(name)
+
+
+def test_every_component_says_where_it_is_from():
+    for component in catalog.components():
+        reference = without_comments(component.header.read_text()).partition("auto reference =")[2].partition(";")[0]
+        assert re.search(r"\b(19|20)\d\d\b|dissertation|equations|Eqs?\.|no publication", reference), component.name

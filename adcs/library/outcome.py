@@ -1,73 +1,166 @@
-"""What a study hands back: rows that compare with print, and what its report shows."""
+"""What a study hands back: claims that compare with print, and what its report shows."""
 
 from __future__ import annotations
 
 import csv
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from orchestration.results.plots import Panel
 from orchestration.results.report import KeyNumber, Table
-from orchestration.results.result import Result
-from orchestration.running.method import CoSimulation
-from orchestration.system import System
 
 Verdict = Literal["reproduced", "not reproduced", "wrong in print"]
 Progress = Callable[[float, str], None]
 """Called with the fraction done, in [0, 1], and what is being done."""
+COLUMNS = (
+    "study",
+    "table",
+    "cell",
+    "settings",
+    "reading",
+    "printed",
+    "ours",
+    "relative_error",
+    "verdict",
+    "note",
+)
+"""The names of a claim in `rows.json` and `rows.csv`."""
 
 
 @dataclass(frozen=True)
-class Row:
-    """One printed number or claim beside ours. The names are fixed: they are what `adcs study --json` prints."""
+class Claim:
+    """A number or statement of a document: where, what it says, what is printed, what we measure, whether that holds.
 
-    study: str
-    table: str
-    cell: str
+    `holds` is None where print is wrong. `settings` says of which run; `reading` how the text was read, if that matters
+    to all of the study; `note` by what it is judged; `error` is that of the measure relative to print.
+    """
+
+    where: str
+    statement: str
     settings: str
     printed: float | str
-    ours: float | str | None
-    relative_error: float | None
-    verdict: Verdict
+    measure: float | str | None
+    holds: bool | None
     note: str = ""
+    error: float | None = None
+    reading: str = ""
 
+    @property
+    def verdict(self) -> Verdict:
+        """What is said of it."""
+        if self.holds is None:
+            return "wrong in print"
+        return "reproduced" if self.holds else "not reproduced"
 
-def verdict(holds: bool) -> Verdict:
-    """`reproduced` or `not reproduced`."""
-    return "reproduced" if holds else "not reproduced"
+    def row(self, study: str) -> dict[str, Any]:
+        """Its values under the names of `COLUMNS`."""
+        values = (study, self.where, self.statement, self.settings, self.reading, self.printed, self.measure)
+        return dict(zip(COLUMNS, (*values, self.error, self.verdict, self.note), strict=True))
 
 
 @dataclass
 class Outcome:
-    """Rows, and panels, tables and key numbers for the report. Outcomes add up."""
+    """Claims, and panels, tables and key numbers for the report. Outcomes add up.
 
-    rows: list[Row] = field(default_factory=list)
+    Where claims are judged in several readings of the text, `counted` names the one that makes the score.
+    """
+
+    claims: list[Claim] = field(default_factory=list)
     panels: list[Panel] = field(default_factory=list)
     tables: list[Table] = field(default_factory=list)
     key_numbers: list[KeyNumber] = field(default_factory=list)
+    counted: str = ""
 
     def __add__(self, other: Outcome) -> Outcome:
         return Outcome(
-            self.rows + other.rows,
+            self.claims + other.claims,
             self.panels + other.panels,
             self.tables + other.tables,
             self.key_numbers + other.key_numbers,
+            self.counted or other.counted,
         )
+
+    def within(self, group: str, title: str) -> Outcome:
+        """The same under a heading of the report, its claims as a table of this title; "": they are shown otherwise."""
+        tables = [claims_table(self.claims, title), *self.tables] if title and self.claims else self.tables
+        return replace(
+            self,
+            panels=[panel if panel.group else replace(panel, group=group) for panel in self.panels],
+            tables=[table if table.group else replace(table, group=group) for table in tables],
+        )
+
+    def scored(self) -> list[Claim]:
+        """The claims that make the score: those of the reading that counts, and those of no reading."""
+        return [claim for claim in self.claims if claim.reading in ("", self.counted)]
+
+
+def tally(claims: Iterable[Claim]) -> dict[Verdict, int]:
+    """How many claims have each verdict, of those that occur."""
+    verdicts = [claim.verdict for claim in claims]
+    return {verdict: verdicts.count(verdict) for verdict in get_args(Verdict) if verdict in verdicts}
+
+
+def as_json(study: str, claims: Sequence[Claim]) -> str:
+    """One array with an object per claim; what is not finite becomes null."""
+    rows = [{key: _finite(value) for key, value in claim.row(study).items()} for claim in claims]
+    return json.dumps(rows, indent=2)
+
+
+def write_csv(path: Path, study: str, claims: Sequence[Claim]) -> None:
+    """One line per claim."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        writer.writeheader()
+        writer.writerows(claim.row(study) for claim in claims)
+
+
+def claims_table(claims: Sequence[Claim], title: str, group: str = "") -> Table:
+    """The claims as a table of a report."""
+    cells = [[c.statement, c.settings, c.printed, c.measure, c.error, c.verdict, c.note] for c in claims]
+    columns = ["claim", "settings", "printed", "ours", "relative error", "verdict", "note"]
+    if all(claim.error is None for claim in claims):
+        columns, cells = [*columns[:4], *columns[5:]], [[*cell[:4], *cell[5:]] for cell in cells]
+    return Table(title, columns, cells, group=group)
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+# --- for the studies that are not yet written as sections ---------------------------------------------------------
+
+
+def Row(  # noqa: N802
+    study: str,
+    table: str,
+    cell: str,
+    settings: str,
+    printed: float | str,
+    ours: float | str | None,
+    relative_error: float | None,
+    verdict: str,
+    note: str = "",
+) -> Claim:
+    holds = {"reproduced": True, "not reproduced": False}.get(verdict)
+    return Claim(table, cell, settings, printed, ours, holds, note, relative_error)
+
+
+def verdict(holds: bool) -> Verdict:
+    return "reproduced" if holds else "not reproduced"
 
 
 class Runner:
-    """Runs systems one after the other, says how far all is, and keeps the manifests."""
-
-    def __init__(self, progress: Progress, runs: int, run: Callable[..., Result]) -> None:
+    def __init__(self, progress: Progress, runs: int, run: Callable[..., Any]) -> None:
         self._progress, self._runs, self._run, self._done = progress, runs, run, 0
-        self.runs: list[tuple[str, Mapping[str, Any]]] = []  # label and manifest
+        self.runs: list[tuple[str, Any]] = []
 
-    def __call__(self, label: str, system: System, **settings: Any) -> Result:
-        """Run `system` with the keyword arguments of `run`: by co-simulation, unless they name another method."""
+    def __call__(self, label: str, system: Any, **settings: Any) -> Any:
+        from orchestration.running.method import CoSimulation
+
         self._progress(self._done / self._runs, label)
         result = self._run(
             system,
@@ -77,53 +170,3 @@ class Runner:
         self._done += 1
         self.runs.append((label, result.manifest))
         return result
-
-
-def manifest_of(choices: Any, runs: Sequence[tuple[str, Mapping[str, Any]]]) -> dict[str, Any]:
-    """How the study was run, for its report: what the runs share once, and a line for each of them."""
-    components = [component for _, manifest in runs for component in manifest["system"]["components"].values()]
-    files = {c["file"]: {"fmi_version": c["fmi_version"], "sha256": c["sha256"]} for c in components}
-    return {
-        "started": runs[0][1]["started"],
-        "choices": {
-            f.name: {"value": getattr(choices, f.name), "meaning": f.metadata.get("help", "")} for f in fields(choices)
-        },
-        "FMUs": dict(sorted(files.items())),
-        "versions": runs[0][1]["versions"],
-        "runs": [
-            {
-                "run": label,
-                "system": m["system"]["name"],
-                **{name: value for name, value in m["settings"].items() if name != "record"},
-                "seeds": m["seeds"],
-                "CPU time [s]": m["timing"]["cpu_s"],
-            }
-            for label, m in runs
-        ],
-    }
-
-
-def as_json(rows: Sequence[Row]) -> str:
-    """One array with an object per row; what is not finite becomes null."""
-    return json.dumps([{key: _finite(value) for key, value in asdict(row).items()} for row in rows], indent=2)
-
-
-def write_csv(path: Path, rows: Sequence[Row]) -> None:
-    """One line per row under the fixed names."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, [column.name for column in fields(Row)])
-        writer.writeheader()
-        writer.writerows(asdict(row) for row in rows)
-
-
-def claims_table(rows: Sequence[Row], title: str, group: str) -> Table:
-    """The rows as a table of a report."""
-    cells = [[r.cell, r.settings, r.printed, r.ours, r.relative_error, r.verdict, r.note] for r in rows]
-    columns = ["claim", "settings", "printed", "ours", "relative error", "verdict", "note"]
-    if all(row.relative_error is None for row in rows):
-        columns, cells = [*columns[:4], *columns[5:]], [[*cell[:4], *cell[5:]] for cell in cells]
-    return Table(title, columns, cells, group=group)
-
-
-def _finite(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -118,7 +118,7 @@ def test_design_tables() -> None:
 def test_errata() -> None:
     rows = study.errata(Choices()).rows
     assert {row.verdict for row in rows} == {"wrong in print"}
-    assert ("v", "y") in {(row.printed, row.ours) for row in rows}
+    assert ("v", "y") in {(row.printed, row.measure) for row in rows}
 
 
 def test_phases_of_the_errors_follow_the_seed() -> None:
@@ -197,7 +197,7 @@ class TestVerdicts:
         assert [row.verdict for row in rows[:2]] == verdicts
         assert ("beyond its bound" in rows[0].note) == (error > 8e-4)
         assert rows[2].verdict == "reproduced"
-        assert rows[2].ours == pytest.approx(1.04)
+        assert rows[2].measure == pytest.approx(1.04)
 
     def test_an_estimate_outside_its_ball(self) -> None:
         run = made_up(1e-4)
@@ -208,7 +208,7 @@ class TestVerdicts:
 
     def test_sequence(self) -> None:
         row = bounded._sequence_row(ERRORS, self.choices.guarantee(self.choices.errors()))
-        assert (row.verdict, row.ours) == ("reproduced", "0.0130499, 0.0130494, limit 0.0130494")
+        assert (row.verdict, row.measure) == ("reproduced", "0.0130499, 0.0130494, limit 0.0130494")
 
 
 # --- the study, shortened ---------------------------------------------------------------------------------------------
@@ -226,10 +226,10 @@ def outcome() -> Outcome:
 
 
 def test_rows_of_a_run_that_is_too_short(outcome: Outcome) -> None:
-    bounds = [row for row in outcome.rows if row.table == "Theorem 1"]
+    bounds = [row for row in outcome.claims if row.where == "Theorem 1"]
     assert len(bounds) == 8
     assert {row.verdict for row in bounds} == {"not reproduced"}
-    kept = [row for row in outcome.rows if row.cell == "estimates stay in G and G_p"]
+    kept = [row for row in outcome.claims if row.statement == "estimates stay in G and G_p"]
     assert [row.verdict for row in kept] == ["reproduced"] * 6
 
 

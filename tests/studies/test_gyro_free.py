@@ -10,7 +10,7 @@ import pytest
 from adcs import AdcsError
 from adcs import run as run_system
 from adcs.catalogue import SYSTEMS
-from adcs.library.outcome import Outcome, Row, Runner
+from adcs.library.outcome import Claim, Outcome, Runner
 from adcs.library.thakur import study
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.gyro_free import claims as gyro_free
@@ -30,8 +30,8 @@ def runner(runs: int = 100) -> Runner:
     return Runner(lambda done, text: None, runs, run_system)
 
 
-def row(outcome: Outcome, cell: str, settings: str = "") -> Row:
-    (found,) = [r for r in outcome.rows if r.cell.startswith(cell) and r.settings.startswith(settings)]
+def row(outcome: Outcome, cell: str, settings: str = "") -> Claim:
+    (found,) = [r for r in outcome.claims if r.statement.startswith(cell) and r.settings.startswith(settings)]
     return found
 
 
@@ -125,20 +125,20 @@ class TestNoiseFree:
         ],
     )
     def test_values(self, exact: Outcome, cell: str, settings: str, expected: float) -> None:
-        assert row(exact, cell, settings).ours == pytest.approx(expected, rel=1e-3, abs=1e-6)
+        assert row(exact, cell, settings).measure == pytest.approx(expected, rel=1e-3, abs=1e-6)
         assert row(exact, cell, settings).verdict == "reproduced"
 
     def test_p_and_figures(self, exact: Outcome) -> None:
-        assert row(exact, "P").ours == "diag(1.75, 0.525, 1.05)"
+        assert row(exact, "P").measure == "diag(1.75, 0.525, 1.05)"
         titles = " ".join(panel.title for panel in exact.panels)
         assert all(f"Fig. {n}" in titles for n in ("4.1a", "4.1b", "4.2a", "4.2b"))
 
 
 def test_theorem() -> None:
     outcome = gyro_free_theorem.theorem(runner(), SHORT)
-    assert [r.verdict for r in outcome.rows] == ["wrong in print", "reproduced"]
-    assert outcome.rows[0].ours == "stays at 180°"
-    assert outcome.rows[1].ours == pytest.approx(0.1053, rel=1e-3)
+    assert [r.verdict for r in outcome.claims] == ["wrong in print", "reproduced"]
+    assert outcome.claims[0].measure == "stays at 180°"
+    assert outcome.claims[1].measure == pytest.approx(0.1053, rel=1e-3)
     (number,) = outcome.key_numbers
     assert number.value == pytest.approx(0.038787, rel=1e-4)
     assert [r[4] for r in outcome.tables[1].rows] == [30.0, 30.0, 30.0, 242.0, None]
@@ -155,7 +155,7 @@ def test_steps_are_of_first_order() -> None:
 
 
 class TestNoise:
-    def rows(self, own: float, full: float) -> list[Row]:
+    def rows(self, own: float, full: float) -> list[Claim]:
         runs = {
             (control, angle): [made_up(10 * level if angle > HALF_ANGLE else level) for _ in range(2)]
             for control, level in ((GYRO_FREE, own), (FULL_STATE, full))
@@ -175,17 +175,17 @@ class TestNoise:
 
     def test_worse_than_full_state(self) -> None:
         failing = [r for r in self.rows(3e-4, 1e-4) if r.verdict != "reproduced"]
-        assert [r.ours for r in failing] == pytest.approx([3, 3])
-        assert all("gyro-free / full state" in r.cell for r in failing)
+        assert [r.measure for r in failing] == pytest.approx([3, 3])
+        assert all("gyro-free / full state" in r.statement for r in failing)
 
     def test_a_changed_transient(self) -> None:
-        failing = {r.cell.partition(":")[0] for r in self.rows(0.1, 0.1) if r.verdict != "reproduced"}
+        failing = {r.statement.partition(":")[0] for r in self.rows(0.1, 0.1) if r.verdict != "reproduced"}
         assert failing >= {"transient of the rotation angle", "transient of the angular velocity"}
 
     def test_random_starts(self) -> None:
         choices = Choices(starts=2, rest_stop_time=250.0, rest_from=200.0)
         outcome = gyro_free_noise.random_starts(runner(), choices)
-        assert [(r.ours, r.verdict) for r in outcome.rows] == [("2 of 2", "reproduced")] * 2
+        assert [(r.measure, r.verdict) for r in outcome.claims] == [("2 of 2", "reproduced")] * 2
         starts = gyro_free_noise.draw_starts(Choices(starts=100))
         assert starts[:2] == gyro_free_noise.draw_starts(choices)
         np.testing.assert_allclose(np.linalg.norm([s.q_BN for s in starts], axis=1), 1, atol=1e-15)
@@ -194,10 +194,10 @@ class TestNoise:
 
 def test_quest_is_identical_and_keeps_its_sign() -> None:
     outcome = quest.quest(runner(), SHORT)
-    assert {r.verdict for r in outcome.rows} == {"reproduced"}
-    assert all(float(r.ours) < 1e-7 for r in outcome.rows[:-1])  # type: ignore[arg-type]
-    assert float(outcome.rows[-1].ours) < 0.06  # type: ignore[arg-type]
-    assert "from 0.985 to -0.98" in outcome.rows[-1].note
+    assert {r.verdict for r in outcome.claims} == {"reproduced"}
+    assert all(float(r.measure) < 1e-7 for r in outcome.claims[:-1])  # type: ignore[arg-type]
+    assert float(outcome.claims[-1].measure) < 0.06  # type: ignore[arg-type]
+    assert "from 0.985 to -0.98" in outcome.claims[-1].note
     fine, coarse = outcome.tables[1].rows
     assert coarse[1] / fine[1] == pytest.approx(10, rel=0.02)
 
@@ -209,17 +209,19 @@ def wrong_inertia() -> Outcome:
 
 class TestInertiaErrors:
     def test_norms(self, wrong_inertia: Outcome) -> None:
-        assert row(wrong_inertia, "norm of ΔJ₁").ours == pytest.approx(0.1220, abs=1e-4)
-        assert row(wrong_inertia, "norm of ΔJ₂").ours == pytest.approx(0.2054, abs=1e-4)
+        assert row(wrong_inertia, "norm of ΔJ₁").measure == pytest.approx(0.1220, abs=1e-4)
+        assert row(wrong_inertia, "norm of ΔJ₂").measure == pytest.approx(0.2054, abs=1e-4)
         assert row(wrong_inertia, "norm of ΔJ₂").verdict == "not reproduced"
         assert row(wrong_inertia, "which error is larger").verdict == "wrong in print"
 
     def test_transients_and_residual_sets(self, wrong_inertia: Outcome) -> None:
-        assert row(wrong_inertia, "attitude estimation error converges", inertia_errors.SECOND).ours == 21.1
-        assert row(wrong_inertia, "rate estimation error converges", inertia_errors.FIRST).ours == pytest.approx(23.6)
+        assert row(wrong_inertia, "attitude estimation error converges", inertia_errors.SECOND).measure == 21.1
+        assert row(wrong_inertia, "rate estimation error converges", inertia_errors.FIRST).measure == pytest.approx(
+            23.6
+        )
         for r in wrong_inertia.rows:
-            if "steady state" in r.cell:
-                assert 1e-5 < float(r.ours) < 1e-4  # type: ignore[arg-type]
+            if "steady state" in r.statement:
+                assert 1e-5 < float(r.measure) < 1e-4  # type: ignore[arg-type]
                 assert r.verdict == "reproduced"
 
 

@@ -10,7 +10,7 @@ import pytest
 from adcs import AdcsError
 from adcs import run as run_system
 from adcs.catalogue import SYSTEMS
-from adcs.library.outcome import Outcome, Row, Runner
+from adcs.library.outcome import Claim, Outcome, Runner
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.observer import exchange_step, noise, noise_free, random_starts
 from adcs.library.thakur.observer.noise_free import FULL_STATE, OBSERVER
@@ -104,8 +104,8 @@ class TestNoiseFree:
     )
     def test_convergence(self, outcome: Outcome, cell: str, control: str, expected: float) -> None:
         """Values of an independent closed loop in SciPy, to the output step."""
-        (row,) = [r for r in outcome.rows if r.cell == f"{cell} converges [s]" and r.settings == control]
-        assert row.ours == pytest.approx(expected, abs=0.1)
+        (row,) = [r for r in outcome.claims if r.statement == f"{cell} converges [s]" and r.settings == control]
+        assert row.measure == pytest.approx(expected, abs=0.1)
         assert row.verdict == "reproduced"
 
     @pytest.mark.parametrize(
@@ -119,8 +119,8 @@ class TestNoiseFree:
         ],
     )
     def test_comparison(self, outcome: Outcome, start: str, expected: float, verdict: str) -> None:
-        row = next(row for row in outcome.rows if row.cell.startswith(start))
-        assert row.ours == pytest.approx(expected, abs=0.002)
+        row = next(row for row in outcome.claims if row.statement.startswith(start))
+        assert row.measure == pytest.approx(expected, abs=0.002)
         assert row.verdict == verdict
 
     def test_figures(self, outcome: Outcome) -> None:
@@ -142,7 +142,7 @@ class TestNoiseFree:
         rows = noise_free._convergence(pair, Choices())
         assert [row.verdict for row in rows if row.settings == OBSERVER] == ["not reproduced"] * 4
         assert [row.verdict for row in rows if row.settings == FULL_STATE] == ["reproduced"] * 2
-        assert all(np.isnan(row.ours) for row in rows if row.settings == OBSERVER)  # type: ignore[arg-type]
+        assert all(np.isnan(row.measure) for row in rows if row.settings == OBSERVER)  # type: ignore[arg-type]
 
 
 class TestExchangeStep:
@@ -167,7 +167,7 @@ class TestExchangeStep:
 class TestNoise:
     time = np.linspace(0, 200, 401)
 
-    def rows(self, observer: float, full: float) -> list[Row]:
+    def rows(self, observer: float, full: float) -> list[Claim]:
         runs = {
             (control, angle): [made_up(10 * size if angle == noise.LARGE else size, self.time) for _ in range(2)]
             for control, size in ((OBSERVER, observer), (FULL_STATE, full))
@@ -180,10 +180,10 @@ class TestNoise:
             *noise._angles(steady),
         ]
 
-    def judged(self, rows: list[Row], text: str) -> dict[Any, set[str]]:
-        found = [row for row in rows if text in row.cell]
+    def judged(self, rows: list[Claim], text: str) -> dict[Any, set[str]]:
+        found = [row for row in rows if text in row.statement]
         assert found
-        return {"ours": {f"{row.ours:.3g}" for row in found}, "verdict": {row.verdict for row in found}}
+        return {"ours": {f"{row.measure:.3g}" for row in found}, "verdict": {row.verdict for row in found}}
 
     def test_all_reproduced(self) -> None:
         assert {row.verdict for row in self.rows(1.5e-4, 1e-4)} == {"reproduced"}
@@ -234,4 +234,4 @@ class TestRandomStarts:
     def test_a_run_that_stays_large_is_counted(self) -> None:
         time = np.linspace(0, 200, 401)
         row = random_starts._row(RATE, [made_up(1e-3, time), made_up(0.5, time)], Choices())
-        assert (row.ours, row.verdict) == ("1 of 2", "not reproduced")
+        assert (row.measure, row.verdict) == ("1 of 2", "not reproduced")

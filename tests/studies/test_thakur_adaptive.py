@@ -11,7 +11,7 @@ import pytest
 from adcs import AdcsError
 from adcs import run as run_system
 from adcs.catalogue import SYSTEMS
-from adcs.library.outcome import Outcome, Row, Runner
+from adcs.library.outcome import Claim, Outcome, Runner
 from adcs.library.thakur.adaptive import appendage as adaptive_appendage
 from adcs.library.thakur.adaptive import baseline as adaptive_baseline
 from adcs.library.thakur.adaptive import fuel as adaptive_fuel
@@ -91,16 +91,16 @@ class TestKnownInertia:
     def test_both_laws_are_alike(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(adaptive_baseline, "SHOWN", 30.0)
         outcome = adaptive_baseline.known_inertia(runner(), Choices())
-        similar = outcome.rows[:3]
+        similar = outcome.claims[:3]
         assert [row.verdict for row in similar] == ["reproduced"] * 3
-        assert [row.ours for row in similar] == pytest.approx([1.0, 0.9275, 1.095], abs=0.01)
+        assert [row.measure for row in similar] == pytest.approx([1.0, 0.9275, 1.095], abs=0.01)
         assert [panel.title[:8] for panel in outcome.panels] == ["Fig. 3.3"] * 3
 
 
 class TestAppendage:
-    def rows(self, proposed: Track, comparison: Track) -> dict[str, Row]:
+    def rows(self, proposed: Track, comparison: Track) -> dict[str, Claim]:
         runs = {PROPOSED: proposed, COMPARISON: comparison}
-        return {row.cell: row for row in adaptive_appendage._errors(runs, "printed", Choices())}
+        return {row.statement: row for row in adaptive_appendage._errors(runs, "printed", Choices())}
 
     def test_as_the_text_says(self) -> None:
         rows = self.rows(made_up(0.9e-4, 0.9e-3), made_up(1e-3, 0.5))
@@ -110,9 +110,9 @@ class TestAppendage:
         rows = self.rows(made_up(2e-4, 2e-3), made_up(5e-3, 0.01))
         assert rows["rate error at 400 s [deg/s]"].verdict == "not reproduced"
         assert rows["attitude error, largest over the last 60 s"].verdict == "not reproduced"
-        assert rows["attitude error saturates"].ours == pytest.approx(5e-3)
+        assert rows["attitude error saturates"].measure == pytest.approx(5e-3)
         assert rows["attitude error saturates"].verdict == "not reproduced"
-        assert rows["rate error in the end: ratio"].ours == pytest.approx(5.0)
+        assert rows["rate error in the end: ratio"].measure == pytest.approx(5.0)
         assert rows["rate error in the end: ratio"].verdict == "not reproduced"
 
     def test_estimates(self) -> None:
@@ -127,8 +127,8 @@ class TestAppendage:
         monkeypatch.setattr(adaptive_appendage, "LATE", 60.0)
         monkeypatch.setattr(adaptive_appendage, "LAST", 20.0)
         outcome = adaptive_appendage.moving_appendages(runner(), Choices())
-        rows = [row for row in outcome.rows if row.settings == f"{PROPOSED}, ω₁ = 0.3 rad/s"]
-        largest = {row.cell: row.ours for row in rows if "largest" in row.cell}
+        rows = [row for row in outcome.claims if row.settings == f"{PROPOSED}, ω₁ = 0.3 rad/s"]
+        largest = {row.statement: row.measure for row in rows if "largest" in row.statement}
         assert list(largest.values()) == pytest.approx([4.94e-2, 1.33e-3], rel=0.01)
         assert [panel.title[:8] for panel in outcome.panels[:2]] == ["Fig. 3.4", "Fig. 3.5"]
 
@@ -145,16 +145,16 @@ def fuel_outcome() -> Outcome:
 
 class TestFuel:
     def test_bound_is_reached_and_not_passed(self, fuel_outcome: Outcome) -> None:
-        (row,) = [row for row in fuel_outcome.rows if row.cell.startswith("‖Ĵ₁‖")]
-        assert row.ours == pytest.approx(0.008 * np.sqrt(2), rel=1e-3)
+        (row,) = [row for row in fuel_outcome.rows if row.statement.startswith("‖Ĵ₁‖")]
+        assert row.measure == pytest.approx(0.008 * np.sqrt(2), rel=1e-3)
         assert row.verdict == "reproduced"
 
     def test_law_is_defined(self, fuel_outcome: Outcome) -> None:
-        (row,) = [row for row in fuel_outcome.rows if row.cell.startswith("least implementability")]
-        assert row.ours == pytest.approx(0.9883, abs=1e-4)
+        (row,) = [row for row in fuel_outcome.rows if row.statement.startswith("least implementability")]
+        assert row.measure == pytest.approx(0.9883, abs=1e-4)
 
     def test_torque_peaks_fall(self, fuel_outcome: Outcome) -> None:
-        rows = [row for row in fuel_outcome.rows if row.cell.startswith("peaks of the control torque")]
+        rows = [row for row in fuel_outcome.rows if row.statement.startswith("peaks of the control torque")]
         assert [row.verdict for row in rows] == ["reproduced"] * 2
 
     def test_torque_that_grows_is_seen(self) -> None:

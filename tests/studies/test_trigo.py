@@ -8,7 +8,7 @@ import pytest
 
 from adcs import Save, System, run
 from adcs.catalogue import STUDIES, SYSTEMS
-from adcs.library.outcome import Row
+from adcs.library.outcome import Claim
 from adcs.library.trigo import study, views
 from adcs.library.trigo.departures import DEPARTURES, undone
 from adcs.library.trigo.metrics import Metrics, measure
@@ -48,7 +48,7 @@ def as_made() -> dict[Run, Metrics]:
     return {Run(c, s): full(Run(c, s), AS_MADE) for s in SCENARIOS for c in CONTROLLERS}
 
 
-def judged(cell: Cell, metrics: dict[Run, Metrics]) -> Row:
+def judged(cell: Cell, metrics: dict[Run, Metrics]) -> Claim:
     return study._row(cell, AS_MADE, metrics, CHOICES)
 
 
@@ -87,7 +87,7 @@ def test_tables_9_6_to_9_16_come_out(as_made: dict[Run, Metrics]) -> None:
     rows = [judged(cell, as_made) for cell in AT_10_HERTZ]
     assert Counter(row.verdict for row in rows) == {"reproduced": 136, "wrong in print": 7}
     wrong = [row for row in rows if row.verdict == "wrong in print"]
-    assert {row.table for row in wrong} == {"Table 9.11", "Table 9.13"}
+    assert {row.where for row in wrong} == {"Table 9.11", "Table 9.13"}
 
 
 def test_numbers_of_three_digits_or_more_come_out_to_three_parts_in_ten_thousand(as_made: dict[Run, Metrics]) -> None:
@@ -214,7 +214,7 @@ def test_a_row_says_how_it_was_judged() -> None:
     row = judged(cell, metrics)
     assert row.verdict == "wrong in print"
     assert row.printed == 282.624
-    assert row.ours == pytest.approx(234.41)
+    assert row.measure == pytest.approx(234.41)
     assert row.relative_error == pytest.approx(234.41 / 282.624 - 1)
     assert "entire trajectory" in row.note
 
@@ -230,9 +230,9 @@ def test_the_study_has_two_rows_for_each_cell_and_all_figures(monkeypatch: pytes
 
     monkeypatch.setattr(study, "stride", lambda step, rate: 1)  # a row a second, whatever the control rate
     outcome, runs = study.run(CHOICES, lambda done, text: labels.append(text), simulate)
-    tables = [row for row in outcome.rows if row.table.startswith("Table")]
+    tables = [row for row in outcome.claims if row.where.startswith("Table")]
     assert Counter(row.settings for row in tables) == {AS_MADE.name: 359, AS_PRINTED.name: 359}
-    claims = [row for row in outcome.rows if row.table.startswith("Sec")]
+    claims = [row for row in outcome.claims if row.where.startswith("Sec")]
     assert len(claims) == 4 + 3 * 17
     titles = " ".join(panel.title for panel in outcome.panels)
     for figure in ("9.3a", "9.4:", "9.5:", "9.6:", "9.7:", "9.8a", "9.8b", "9.9a", "9.10b", "9.11b", "E.1a", "E.9:"):

@@ -1,0 +1,114 @@
+"""A study as a sequence of sections: each names the runs that its claims need, and is shown when they are there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+from adcs.library.outcome import Outcome, Progress
+from orchestration.results.result import Result, RunFailed
+from orchestration.running.method import CoSimulation, Method
+from orchestration.running.run import run
+from orchestration.running.save import Save
+from orchestration.system import System
+
+Manifests = list[tuple[str, Mapping[str, Any]]]
+"""Label and manifest of each run."""
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """A run that is needed: the system, how it is run, and `view`, what is kept of its result.
+
+    Of one that `may_fail` the view gets what was recorded until then.
+    """
+
+    label: str
+    system: System
+    view: Callable[[Result], Any]
+    record: Sequence[str]
+    stop_time: float
+    step: float
+    method: Method = field(default_factory=CoSimulation)
+    every: int = 1
+    may_fail: bool = False
+
+    @property
+    def key(self) -> tuple[Any, ...]:
+        """Equal for runs that are one and the same."""
+        parts = [(p.name, str(p.source), tuple(p.start.items()), p.every) for p in self.system.components.values()]
+        how = (self.view, tuple(self.record), self.stop_time, self.step, self.method, self.every)
+        return (tuple(parts), tuple(self.system.connections), *how)
+
+    def run(self, simulate: Callable[..., Result], progress: Callable[[float], None]) -> Result:
+        """Run it by `simulate`, a function like `run`."""
+        times = {"stop_time": self.stop_time, "step": self.step}
+        save = Save(self.record, every=self.every)
+        try:
+            return simulate(self.system, **times, method=self.method, save=save, progress=progress)
+        except RunFailed as failure:
+            if not self.may_fail:
+                raise
+            return failure.result
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of a document: `runs` by the names that `show` gets them under, already as they were to be viewed.
+
+    `group` is its heading in the report, `title` that of the table of its claims.
+    """
+
+    group: str
+    title: str
+    show: Callable[[Any], Outcome]
+    runs: Mapping[Any, Simulation] = field(default_factory=dict)
+
+
+def conduct(
+    sections: Sequence[Section], progress: Progress = lambda done, text: None, simulate: Callable[..., Result] = run
+) -> tuple[Outcome, Manifests]:
+    """Make the runs of all sections, equal ones once, and say how far all is; return what they show, and the runs."""
+    total = len({simulation.key for section in sections for simulation in section.runs.values()})
+    seen: dict[tuple[Any, ...], Any] = {}
+    manifests: Manifests = []
+
+    def view(simulation: Simulation) -> Any:
+        if simulation.key not in seen:
+            done = len(seen)
+            progress(done / total, simulation.label)
+            result = simulation.run(simulate, lambda part: progress((done + part) / total, simulation.label))
+            manifests.append((simulation.label, result.manifest))
+            seen[simulation.key] = simulation.view(result)
+        return seen[simulation.key]
+
+    outcome = Outcome()
+    for section in sections:
+        shown = section.show({name: view(simulation) for name, simulation in section.runs.items()})
+        outcome += shown.within(section.group, section.title)
+    return outcome, manifests
+
+
+def manifest_of(choices: Any, runs: Manifests) -> dict[str, Any]:
+    """How the study was run, for its report: what the runs share once, and a line for each of them."""
+    components = [component for _, manifest in runs for component in manifest["system"]["components"].values()]
+    files = {c["file"]: {"fmi_version": c["fmi_version"], "sha256": c["sha256"]} for c in components}
+    return {
+        "started": runs[0][1]["started"],
+        "choices": {
+            f.name: {"value": getattr(choices, f.name), "meaning": f.metadata.get("help", "")} for f in fields(choices)
+        },
+        "FMUs": dict(sorted(files.items())),
+        "versions": runs[0][1]["versions"],
+        "runs": [
+            {
+                "run": label,
+                "system": m["system"]["name"],
+                **{name: value for name, value in m["settings"].items() if name != "record"},
+                "seeds": m["seeds"],
+                "CPU time [s]": m["timing"]["cpu_s"],
+            }
+            for label, m in runs
+        ],
+    }

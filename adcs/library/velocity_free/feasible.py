@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from adcs.library.outcome import Outcome, Row, claims_table, verdict
+from adcs.library.outcome import Claim, Outcome
+from adcs.library.sections import Section
 from adcs.library.velocity_free.gain_region import (
     A_RANGE,
     B_RANGE,
@@ -23,7 +24,7 @@ from adcs.library.velocity_free.gain_region import (
     region,
     search,
 )
-from adcs.library.velocity_free.settings import GAINS, Choices
+from adcs.library.velocity_free.settings import GAINS, START, Choices
 from orchestration.results.plots import Dash, Panel, Series
 from orchestration.results.report import KeyNumber, Table
 
@@ -33,9 +34,13 @@ CASES: Mapping[str, tuple[str, Bounds]] = {"stabilisation": ("2a", STABILISATION
 POINT = f"a = {GAINS['a']:g}, b = {GAINS['b']:g}"
 
 
-def feasible(choices: Choices) -> Outcome:
+def feasible(choices: Choices) -> Section:
     """Both regions for each bound on the filter's part, and the verdict on the gains of the simulations."""
-    rows: list[Row] = []
+    return Section(GROUP, "The statements on the gains", lambda _: _feasible(choices))
+
+
+def _feasible(choices: Choices) -> Outcome:
+    claims: list[Claim] = []
     cells: list[list[object]] = []
     panels = []
     regions: dict[str, Region] = {}
@@ -51,43 +56,35 @@ def feasible(choices: Choices) -> Outcome:
             residual = float(at.residual[0]) if found[0] > 0 else None
             cells.append([case, label, drawn[label].share, *values, "yes" if found[0] > 0 else "no", residual])
             if label == RIGOROUS:
-                rows.append(_point_row(case, figure, float(found[0])))
+                claims.append(_gains_lie_inside(case, figure, float(found[0])))
         regions[case] = drawn[RIGOROUS]
         panels.append(_panel(case, figure, drawn))
-    outside = int((regions["tracking"].inside & ~regions["stabilisation"].inside).sum())
-    rows.append(
-        _row(
-            "stabilisation region no smaller than the tracking region",
-            "grid points of tracking outside it",
-            "0",
-            float(outside),
-            outside == 0,
-            f"shares of the square {regions['stabilisation'].share:.3f} and {regions['tracking'].share:.3f}",
-        )
-    )
-    rows.append(_start_rate_row(choices))
+    claims += [_no_smaller(regions), _start_rate(choices)]
     numbers = [
         KeyNumber(f"{case.capitalize()}: feasible part of the square", found.share, "", f"bound {RIGOROUS}")
         for case, found in regions.items()
     ]
-    return Outcome(rows, panels, [claims_table(rows, "The statements on the gains", GROUP), _table(cells)], numbers)
+    return Outcome(claims, panels, [_table(cells)], numbers)
 
 
-def _row(cell: str, settings: str, printed: str, ours: float | str, holds: bool, note: str) -> Row:
-    return Row("velocity-free", "Sec. V", cell, settings, printed, ours, None, verdict(holds), note)
-
-
-def _point_row(case: str, figure: str, margin: float) -> Row:
+def _gains_lie_inside(case: str, figure: str, margin: float) -> Claim:
+    cell, settings = "gains of the simulations lie in the region", f"{case}, {POINT}"
     note = (
         f"smallest relative margin of the conditions, Fig. {figure}; bound {RIGOROUS} on the filter term; "
         "with the bound 2 the gains are outside, see the table"
     )
-    return _row(
-        "gains of the simulations lie in the region", f"{case}, {POINT}", "feasible (> 0)", margin, margin > 0, note
-    )
+    return Claim("Sec. V", cell, settings, "feasible (> 0)", margin, margin > 0, note)
 
 
-def _start_rate_row(choices: Choices) -> Row:
+def _no_smaller(regions: Mapping[str, Region]) -> Claim:
+    stabilisation, tracking = regions["stabilisation"], regions["tracking"]
+    outside = int((tracking.inside & ~stabilisation.inside).sum())
+    cell, settings = "stabilisation region no smaller than the tracking region", "grid points of tracking outside it"
+    note = f"shares of the square {stabilisation.share:.3f} and {tracking.share:.3f}"
+    return Claim("Sec. V", cell, settings, "0", float(outside), outside == 0, note)
+
+
+def _start_rate(choices: Choices) -> Claim:
     """‖dw(0)‖ is printed as 0.01; the simulation starts with 0.0995. Does it matter to the regions?"""
     shares = [
         region(replace(bounds, start_rate=rate), choices.grid).share
@@ -99,28 +96,13 @@ def _start_rate_row(choices: Choices) -> Row:
         f"square that are feasible with 0.01 and with 0.1: {shares[0]:.4f}, {shares[1]:.4f} (stabilisation), "
         f"{shares[2]:.4f}, {shares[3]:.4f} (tracking): (89) hardly binds"
     )
-    return Row(
-        "velocity-free",
-        "Sec. V",
-        "bound on the initial rate error in rad/s",
-        "‖δω(0)‖",
-        0.01,
-        float(np.linalg.norm((-0.09, 0.03, -0.03))),
-        None,
-        "wrong in print",
-        note,
-    )
+    start = float(np.linalg.norm(START["omega_BN_B"]))
+    return Claim("Sec. V", "bound on the initial rate error in rad/s", "‖δω(0)‖", 0.01, start, None, note)
 
 
 def _table(cells: list[list[object]]) -> Table:
-    columns = [
-        "case",
-        "bound of the filter term",
-        "feasible part",
-        *(f"margin {c}" for c in CONDITIONS),
-        "feasible",
-        "V₀ in the residual set [N·m]",
-    ]
+    columns = ["case", "bound of the filter term", "feasible part", *(f"margin {c}" for c in CONDITIONS)]
+    columns += ["feasible", "V₀ in the residual set [N·m]"]
     note = (
         f"Margins at {POINT}, each the relative distance from failing (of Q1 > 0: the eigenvalue 1/k4 in 1/s), for the "
         "choice of c1, c2, ξ that makes the smallest of them largest; V1 ≥ 0 holds by construction. 1 + μ_v is "
@@ -128,7 +110,7 @@ def _table(cells: list[list[object]]) -> Table:
         f"proof promises for V₀ in the end. V₀ at rest is at most 4a = {4 * GAINS['a']:g} N·m for any attitude, so the "
         "promise says that the state stays bounded, and nothing about the attitude."
     )
-    return Table("Regions and margins", columns, cells, note, GROUP)
+    return Table("Regions and margins", columns, cells, note)
 
 
 def _panel(case: str, figure: str, drawn: Mapping[str, Region]) -> Panel:
@@ -138,20 +120,14 @@ def _panel(case: str, figure: str, drawn: Mapping[str, Region]) -> Panel:
         for i, line in enumerate(_boundary(found)):
             series.append(Series(f"bound {label}", line[:, 0], line[:, 1], dash, color, faint=i > 0))
     series.append(Series(POINT, [GAINS["a"]], [GAINS["b"]], color=3, markers=True))
-    corners = Series(
-        "searched",
-        [A_RANGE[0], A_RANGE[1], A_RANGE[1], A_RANGE[0], A_RANGE[0]],
-        [B_RANGE[0], B_RANGE[0], B_RANGE[1], B_RANGE[1], B_RANGE[0]],
-        "dot",
-        7,
-    )
+    (a, A), (b, B) = A_RANGE, B_RANGE
+    corners = Series("searched", [a, A, A, a, a], [b, b, B, B, b], "dot", 7)
     return Panel(
         f"Fig. {figure}  Feasible gains, {case}",
         "b [N·m·s]",
         [*series, corners],
         x_label="a [N·m]",
         note="Feasible is what lies above a line, or to the left of it.",
-        group=GROUP,
     )
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable
 
-from adcs.library.outcome import Outcome, Progress, Runner
+from adcs.library.outcome import Outcome, Progress
+from adcs.library.sections import Manifests, conduct
 from adcs.library.velocity_free import feasible, loops
 from adcs.library.velocity_free.settings import Choices
 from orchestration.results.result import Result
@@ -23,11 +23,8 @@ SUMMARY = (
 
 def run(
     choices: Choices, progress: Progress, simulate: Callable[..., Result] = run_system
-) -> tuple[Outcome, list[tuple[str, Mapping[str, Any]]]]:
+) -> tuple[Outcome, Manifests]:
     """Run everything; returns the outcome, and label and manifest of each run."""
-    runner = Runner(progress, loops.run_count(choices), simulate)
-    outcome = feasible.feasible(choices)
-    for problem in loops.PROBLEMS:
-        outcome += loops.problem(runner, choices, problem)
-    outcome += loops.measurement_error(runner, choices) + loops.disturbance(runner, choices)
-    return outcome, runner.runs
+    problems = [loops.problem(choices, which) for which in loops.PROBLEMS]
+    environment = [loops.measurement_error(choices), loops.disturbance(choices)]
+    return conduct([feasible.feasible(choices), *problems, *environment], progress, simulate)

@@ -36,9 +36,9 @@ class Simulation:
 
     @property
     def key(self) -> tuple[Any, ...]:
-        """Equal for runs that are one and the same."""
+        """Equal for runs that are one and the same, however they are viewed."""
         parts = [(p.name, str(p.source), tuple(p.start.items()), p.every) for p in self.system.components.values()]
-        how = (self.view, tuple(self.record), self.stop_time, self.step, self.method, self.every)
+        how = (tuple(self.record), self.stop_time, self.step, self.method, self.every)
         return (tuple(parts), tuple(self.system.connections), *how)
 
     def run(self, simulate: Callable[..., Result], progress: Callable[[float], None]) -> Result:
@@ -70,18 +70,22 @@ def conduct(
     sections: Sequence[Section], progress: Progress = lambda done, text: None, simulate: Callable[..., Result] = run
 ) -> tuple[Outcome, Manifests]:
     """Make the runs of all sections, equal ones once, and say how far all is; return what they show, and the runs."""
-    total = len({simulation.key for section in sections for simulation in section.runs.values()})
-    seen: dict[tuple[Any, ...], Any] = {}
+    planned: dict[tuple[Any, ...], set[Callable[[Result], Any]]] = {}
+    for section in sections:
+        for simulation in section.runs.values():
+            planned.setdefault(simulation.key, set()).add(simulation.view)
+    seen: dict[tuple[Any, ...], dict[Callable[[Result], Any], Any]] = {}
     manifests: Manifests = []
 
     def view(simulation: Simulation) -> Any:
-        if simulation.key not in seen:
-            done = len(seen)
-            progress(done / total, simulation.label)
-            result = simulation.run(simulate, lambda part: progress((done + part) / total, simulation.label))
-            manifests.append((simulation.label, result.manifest))
-            seen[simulation.key] = simulation.view(result)
-        return seen[simulation.key]
+        key, label = simulation.key, simulation.label
+        if key not in seen:
+            done, total = len(seen), len(planned)
+            progress(done / total, label)
+            result = simulation.run(simulate, lambda part: progress((done + part) / total, label))
+            manifests.append((label, result.manifest))
+            seen[key] = {look: look(result) for look in planned[key]}
+        return seen[key][simulation.view]
 
     outcome = Outcome()
     for section in sections:

@@ -10,24 +10,27 @@ import pytest
 from adcs import AdcsError
 from adcs import run as run_system
 from adcs.catalogue import SYSTEMS
-from adcs.library.outcome import Claim, Outcome, Runner
+from adcs.library.outcome import Claim, Outcome
+from adcs.library.sections import Section, conduct
 from adcs.library.thakur import study
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.gyro_free import claims as gyro_free
 from adcs.library.thakur.gyro_free import noise as gyro_free_noise
+from adcs.library.thakur.gyro_free import random_starts
 from adcs.library.thakur.gyro_free import steps as gyro_free_steps
 from adcs.library.thakur.gyro_free import theorem as gyro_free_theorem
 from adcs.library.thakur.gyro_free.claims import FULL_STATE, GYRO_FREE
 from adcs.library.thakur.gyro_free.level import printed_level, resting_attitudes, start_value, sufficient_level
 from adcs.library.thakur.gyro_free.settings import HALF_ANGLE, Start
-from adcs.library.thakur.gyro_free.signals import ANGLE, RATE, TORQUE, Motion
+from adcs.library.thakur.gyro_free.signals import ANGLE, RATE, TORQUE
 from adcs.library.thakur.observer import inertia_errors, quest
+from adcs.library.trajectory import Trajectory
 
 SHORT = Choices(stop_time=121.0, steady_from=120.0)
 
 
-def runner(runs: int = 100) -> Runner:
-    return Runner(lambda done, text: None, runs, run_system)
+def shown(section: Section) -> Outcome:
+    return conduct([section])[0]
 
 
 def row(outcome: Outcome, cell: str, settings: str = "") -> Claim:
@@ -35,11 +38,11 @@ def row(outcome: Outcome, cell: str, settings: str = "") -> Claim:
     return found
 
 
-def made_up(level: float) -> Motion:
+def made_up(level: float) -> Trajectory:
     """All fall from 1 and stay at `level`."""
     time = np.linspace(0, 400, 801)
     values = np.maximum(np.exp(-time / 10), level)
-    return Motion(time, {ANGLE: values, RATE: values, TORQUE: values}, {})
+    return Trajectory(time, {ANGLE: values, RATE: values, TORQUE: values})
 
 
 @pytest.mark.parametrize("name", ["gyro-free", "gyro-free-full-state", "quest-observer-pd", "observer-inertia-error"])
@@ -108,7 +111,7 @@ class TestLevel:
 
 @pytest.fixture(scope="module")
 def exact() -> Outcome:
-    return gyro_free.noise_free(runner(), SHORT)
+    return shown(gyro_free.noise_free(SHORT))
 
 
 class TestNoiseFree:
@@ -135,7 +138,7 @@ class TestNoiseFree:
 
 
 def test_theorem() -> None:
-    outcome = gyro_free_theorem.theorem(runner(), SHORT)
+    outcome = shown(gyro_free_theorem.theorem(SHORT))
     assert [r.verdict for r in outcome.claims] == ["wrong in print", "reproduced"]
     assert outcome.claims[0].measure == "stays at 180°"
     assert outcome.claims[1].measure == pytest.approx(0.1053, rel=1e-3)
@@ -148,7 +151,7 @@ def test_theorem() -> None:
 
 
 def test_steps_are_of_first_order() -> None:
-    (table,) = gyro_free_steps.exchange_steps(runner(), SHORT).tables
+    (table,) = shown(gyro_free_steps.exchange_steps(SHORT)).tables
     fine, coarse = np.array(table.rows[0][2:], float), np.array(table.rows[1][2:], float)
     assert (table.rows[0][1], table.rows[1][1]) == (1.0, 10.0)
     np.testing.assert_allclose(coarse / fine, 10, rtol=0.02)
@@ -184,16 +187,16 @@ class TestNoise:
 
     def test_random_starts(self) -> None:
         choices = Choices(starts=2, rest_stop_time=250.0, rest_from=200.0)
-        outcome = gyro_free_noise.random_starts(runner(), choices)
+        outcome = shown(random_starts.random_starts(choices))
         assert [(r.measure, r.verdict) for r in outcome.claims] == [("2 of 2", "reproduced")] * 2
-        starts = gyro_free_noise.draw_starts(Choices(starts=100))
-        assert starts[:2] == gyro_free_noise.draw_starts(choices)
+        starts = random_starts.draw_starts(Choices(starts=100))
+        assert starts[:2] == random_starts.draw_starts(choices)
         np.testing.assert_allclose(np.linalg.norm([s.q_BN for s in starts], axis=1), 1, atol=1e-15)
         assert 0.019 < np.abs([s.omega_BN_B for s in starts]).max() <= 0.02
 
 
 def test_quest_is_identical_and_keeps_its_sign() -> None:
-    outcome = quest.quest(runner(), SHORT)
+    outcome = shown(quest.quest(SHORT))
     assert {r.verdict for r in outcome.claims} == {"reproduced"}
     assert all(float(r.measure) < 1e-7 for r in outcome.claims[:-1])  # type: ignore[arg-type]
     assert float(outcome.claims[-1].measure) < 0.06  # type: ignore[arg-type]
@@ -204,7 +207,7 @@ def test_quest_is_identical_and_keeps_its_sign() -> None:
 
 @pytest.fixture(scope="module")
 def wrong_inertia() -> Outcome:
-    return inertia_errors.inertia_errors(runner(), Choices())
+    return shown(inertia_errors.inertia_errors(Choices()))
 
 
 class TestInertiaErrors:
@@ -219,7 +222,7 @@ class TestInertiaErrors:
         assert row(wrong_inertia, "rate estimation error converges", inertia_errors.FIRST).measure == pytest.approx(
             23.6
         )
-        for r in wrong_inertia.rows:
+        for r in wrong_inertia.claims:
             if "steady state" in r.statement:
                 assert 1e-5 < float(r.measure) < 1e-4  # type: ignore[arg-type]
                 assert r.verdict == "reproduced"

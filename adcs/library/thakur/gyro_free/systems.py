@@ -8,7 +8,7 @@ from adcs.library.thakur.gyro_free.settings import DIRECTIONS, FILTER, INERTIA, 
 from orchestration.system import System
 
 RECORD = ("plant.q_BN", "plant.omega_BN_B", "controller.torque_B", "controller.Omega_B")
-RECORD_GYRO_FREE = (*RECORD, "controller.z", "controller.zDot")
+RECORD_GYRO_FREE = (*RECORD, "controller.z", "controller.zDot", "controller.P")
 
 
 def gyro_free(

@@ -53,6 +53,12 @@ class Simulation:
             return failure.result
 
 
+def failed_at(result: Result) -> float | None:
+    """The time at which a run that may fail did [s]; None if it went to its end."""
+    outcome = result.manifest.get("outcome", {})
+    return float(outcome["time"]) if outcome.get("status") == "failed" else None
+
+
 @dataclass(frozen=True)
 class Section:
     """A part of a document: `runs` by the names that `show` gets them under, already as they were to be viewed.

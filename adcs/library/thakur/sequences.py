@@ -32,7 +32,7 @@ def spread_of(what: Quantity, first: Sequence[Trajectory], second: Sequence[Traj
 def residual_set(
     where: str, cell: str, half_angle: float, what: Quantity, runs: Sequence[Trajectory], start: float, part: float
 ) -> Claim:
-    """That in all runs the quantity stays, from `start` [s] on, below the `part` of its peak that counts as converged."""
+    """That from `start` [s] on all runs stay below the `part` of their peak that counts as converged."""
     bounded = sum(stays_small(run, what, start, part) for run in runs)
     worst = max(run.after(start).peak(what) for run in runs)
     settings, ours = f"{len(runs)} random starts, {half_angle:g} deg", f"{bounded} of {len(runs)}"

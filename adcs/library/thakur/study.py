@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from adcs.library.outcome import Outcome, Progress, Runner
+from adcs.library.outcome import Outcome, Progress
 from adcs.library.sections import Manifests, Section, conduct
 from adcs.library.thakur.adaptive import appendage, baseline, fuel, steps
 from adcs.library.thakur.choices import Choices
@@ -27,19 +27,13 @@ SUMMARY = (
 )
 
 
-def _old(made):
-    def section(choices):
-        return Section("", "", lambda _: made(Runner(lambda a, b: None, 1, run_system), choices))
-
-    return section
-
-
 SECTIONS: dict[str, tuple[Callable[[Choices], Section], ...]] = {
     "3": (
-        _old(baseline.known_inertia),
-        _old(appendage.moving_appendages),
-        _old(fuel.losing_fuel),
-        _old(steps.exchange_steps),
+        baseline.known_inertia,
+        appendage.moving_appendages,
+        fuel.losing_fuel,
+        steps.exchange_steps,
+        steps.fuel_limits,
     ),
     "4": (
         gyro_free.noise_free,

@@ -1,13 +1,13 @@
-"""What the exchange step of a co-simulation costs: a loop at several steps beside its coupled solution."""
+"""What the exchange step of a co-simulation costs: loops at several steps beside their coupled solutions."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from adcs.library.attitude import norm
 from adcs.library.sections import Simulation
 from orchestration.results.result import Result
-from orchestration.running.method import ModelExchange
+from orchestration.running.method import CoSimulation, ModelExchange
 from orchestration.system import System
 
 COUPLED = 0.0
@@ -20,13 +20,20 @@ def whole(result: Result) -> Result:
 
 
 def at_steps(
-    label: str, build: Callable[[], System], record: Sequence[str], steps: Sequence[float], grid: float, stop: float
+    loops: Mapping[str, Callable[[], System]], record: Sequence[str], steps: Sequence[float], grid: float, stop: float
 ) -> dict[tuple[str, float], Simulation]:
-    """The coupled solution and the co-simulations by (label, step [s]), all with rows at multiples of `grid` [s]."""
-    runs = {(label, COUPLED): Simulation(f"{label}, coupled", build(), whole, record, stop, grid, ModelExchange())}
-    for step in steps:
-        text = f"{label}, co-simulation at {1e3 * step:g} ms"
-        runs[label, step] = Simulation(text, build(), whole, record, stop, step, every=round(grid / step))
+    """Coupled solutions and co-simulations by (label, step [s]), all with rows at multiples of `grid` [s].
+
+    Of `record` each loop has what it has.
+    """
+    runs = {}
+    for label, build in loops.items():
+        for step in (COUPLED, *steps):
+            text = f"{label}, co-simulation at {1e3 * step:g} ms" if step else f"{label}, coupled"
+            system = build()
+            names = [name for name in record if name in system.outputs()]
+            method, every = (CoSimulation(), round(grid / step)) if step else (ModelExchange(), 1)
+            runs[label, step] = Simulation(text, system, whole, names, stop, step or grid, method, every)
     return runs
 
 

@@ -61,7 +61,7 @@ def write(
     *,
     key_numbers: Sequence[KeyNumber] = (),
     command: str = "",
-    tally: Mapping[str, int] | None = None,
+    tally: Mapping[Any, int] | None = None,
     tally_note: str = "",
 ) -> Path:
     """Writes the page and returns its path; the folder is made if it is missing.

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from math import degrees
+from typing import NamedTuple
 
-from adcs.library.outcome import Row, verdict
+from adcs.library.outcome import Claim
 from adcs.library.trigo.metrics import Metrics
 from adcs.library.trigo.printed import Run
 from adcs.library.trigo.settings import (
@@ -15,6 +15,7 @@ from adcs.library.trigo.settings import (
     CONTROL_RATE,
     CONTROLLERS,
     RATE_REQUIREMENT,
+    STATIC,
     TORQUE_LIMIT,
     Controller,
     Reading,
@@ -22,48 +23,59 @@ from adcs.library.trigo.settings import (
 )
 
 Runs = Mapping[Run, Metrics]
+Judge = Callable[[Runs], tuple[str, bool]]
+"""What we find, and whether the statement holds by that."""
+
 SECTION = "Secs. 9.3, 9.4"
-STATIC: tuple[Controller, ...] = ("bs", "rbs")
 ALL: tuple[Controller, ...] = tuple(CONTROLLERS)
 
 
-@dataclass(frozen=True)
-class Claim:
-    """A statement of the text; `judge` gives what we find and whether the statement holds."""
+class Statement(NamedTuple):
+    """A statement of the text."""
 
-    cell: str
+    scenario: Scenario
+    what: str
     printed: str
-    judge: Callable[[Runs], tuple[str, bool]]
+    judge: Judge
 
 
-def _each(runs: Runs, controllers: Sequence[Controller], scenario: Scenario, value: Callable[[Metrics], float]) -> str:
-    return ", ".join(f"{CONTROLLERS[c]} {value(runs[Run(c, scenario)]):.3g}" for c in controllers)
+def _each(values: Mapping[Controller, float], form: str) -> str:
+    return ", ".join(f"{CONTROLLERS[c]} {value:{form}}" for c, value in values.items())
 
 
-def _worst(metrics: Metrics, which: int) -> float:
-    return max(pair[which] for pair in metrics.worst.values())
+def _of(
+    runs: Runs, controllers: Sequence[Controller], scenario: Scenario, value: Callable[[Metrics], float]
+) -> dict[Controller, float]:
+    return {c: value(runs[Run(c, scenario)]) for c in controllers}
 
 
-def _within(
-    scenario: Scenario, which: int, inside: Sequence[Controller], outside: Sequence[Controller]
-) -> Callable[[Runs], tuple[str, bool]]:
-    """The worst error after the peaks: pointing (0) or rate (1)."""
-    limit = (ATTITUDE_REQUIREMENT, RATE_REQUIREMENT)[which]
+def _pointing(metrics: Metrics) -> float:
+    return max(theta for theta, _ in metrics.worst.values())
+
+
+def _rate(metrics: Metrics) -> float:
+    return max(omega for _, omega in metrics.worst.values())
+
+
+LIMITS: dict[Callable[[Metrics], float], float] = {_pointing: ATTITUDE_REQUIREMENT, _rate: RATE_REQUIREMENT}
+
+
+def _within(scenario: Scenario, worst: Callable[[Metrics], float], inside: Sequence[Controller]) -> Judge:
+    """That these keep the requirement after the peaks, and the others do not."""
 
     def judge(runs: Runs) -> tuple[str, bool]:
-        worst = {c: _worst(runs[Run(c, scenario)], which) for c in ALL}
-        holds = all(worst[c] <= limit for c in inside) and all(worst[c] > limit for c in outside)
-        return _each(runs, (*inside, *outside), scenario, lambda m: _worst(m, which)), holds
+        outside = [c for c in ALL if c not in inside]
+        values = _of(runs, (*inside, *outside), scenario, worst)
+        holds = all((value <= LIMITS[worst]) == (c in inside) for c, value in values.items())
+        return _each(values, ".3g"), holds
 
     return judge
 
 
-def _ordered(
-    scenario: Scenario, best_first: Sequence[Controller], value: Callable[[Metrics], float]
-) -> Callable[[Runs], tuple[str, bool]]:
+def _ordered(scenario: Scenario, best_first: Sequence[Controller], value: Callable[[Metrics], float]) -> Judge:
     def judge(runs: Runs) -> tuple[str, bool]:
-        values = [value(runs[Run(c, scenario)]) for c in best_first]
-        return _each(runs, best_first, scenario, value), values == sorted(values)
+        values = _of(runs, best_first, scenario, value)
+        return _each(values, ".3g"), list(values.values()) == sorted(values.values())
 
     return judge
 
@@ -81,7 +93,7 @@ def _relative(metrics: Metrics) -> float:
 
 
 def _degrees(runs: Runs) -> tuple[str, bool]:
-    worst = {c: _worst(runs[Run(c, "wheel")], 0) / 3600 for c in STATIC}
+    worst = _of(runs, STATIC, "wheel", lambda m: _pointing(m) / 3600)
     return ", ".join(f"{CONTROLLERS[c]} {w:.2f} deg" for c, w in worst.items()), all(
         0.3 < w < 2 for w in worst.values()
     )
@@ -93,53 +105,47 @@ def _damage(runs: Runs) -> tuple[str, bool]:
 
 
 def _less_work(runs: Runs) -> tuple[str, bool]:
-    work = {c: 1e3 * runs[Run(c, "wheel")].workload for c in ALL}
-    text = ", ".join(f"{CONTROLLERS[c]} {w:.4g}" for c, w in work.items())
-    return text, max(work[c] for c in ADAPTIVE) < min(work[c] for c in STATIC)
+    work = _of(runs, ALL, "wheel", lambda m: 1e3 * m.workload)
+    return _each(work, ".4g"), max(work[c] for c in ADAPTIVE) < min(work[c] for c in STATIC)
 
 
-CLAIMS = (
-    Claim("nominal: scanning error RMS [arcsec], from small to large", "BS least, TF most",
-          _ordered("nominal", ("bs", "rbs", "tf"), _scanning)),
-    Claim("nominal: worst pointing error [arcsec]", "all within 30", _within("nominal", 0, ALL, ())),
-    Claim("nominal: worst rate error [arcsec/s]", "all within 1", _within("nominal", 1, ALL, ())),
-    Claim("mismatch: worst pointing error [arcsec]", "only the adaptive laws within 30",
-          _within("mismatch", 0, ADAPTIVE, STATIC)),
-    Claim("mismatch: worst rate error [arcsec/s]", "only the adaptive laws within 1",
-          _within("mismatch", 1, ADAPTIVE, STATIC)),
-    Claim("mismatch: relative estimation error, from small to large", "NESO and I&I much better than TF",
-          _ordered("mismatch", ("ii", "neso", "tf"), _relative)),
-    Claim("wheel: worst pointing error of the static laws", "about a degree", _degrees),
-    Claim("wheel: worst pointing error [arcsec]", "only the adaptive laws within 30",
-          _within("wheel", 0, ADAPTIVE, STATIC)),
-    Claim("wheel: worst rate error [arcsec/s]", "only I&I within 1",
-          _within("wheel", 1, ("ii",), ("bs", "rbs", "tf", "neso"))),
-    Claim("wheel: relative estimation error, from small to large", "I&I best, then NESO, then TF",
-          _ordered("wheel", ("ii", "neso", "tf"), _relative)),
-    Claim("wheel: workload [mJ]", "slightly less with the adaptive laws", _less_work),
-    Claim("mirror: scanning error RMS over that of the nominal case", "static laws much worse", _damage),
-    Claim("mirror: worst pointing error [arcsec]", "only the adaptive laws within 30",
-          _within("mirror", 0, ADAPTIVE, STATIC)),
-    Claim("mirror: worst rate error [arcsec/s]", "only I&I within 1",
-          _within("mirror", 1, ("ii",), ("bs", "rbs", "tf", "neso"))),
-    Claim("mirror: relative estimation error, from small to large", "I&I by far best, then NESO, then TF",
-          _ordered("mirror", ("ii", "neso", "tf"), _relative)),
-    Claim("mirror: steady error RMS [arcsec], from small to large", "of the adaptive laws NESO most",
-          _ordered("mirror", ("ii", "tf", "neso"), _steady)),
+POINTING, RATE = "worst pointing error [arcsec]", "worst rate error [arcsec/s]"
+ESTIMATION = "relative estimation error, from small to large"
+STATEMENTS = (
+    Statement("nominal", "scanning error RMS [arcsec], from small to large", "BS least, TF most",
+              _ordered("nominal", ("bs", "rbs", "tf"), _scanning)),
+    Statement("nominal", POINTING, "all within 30", _within("nominal", _pointing, ALL)),
+    Statement("nominal", RATE, "all within 1", _within("nominal", _rate, ALL)),
+    Statement("mismatch", POINTING, "only the adaptive laws within 30", _within("mismatch", _pointing, ADAPTIVE)),
+    Statement("mismatch", RATE, "only the adaptive laws within 1", _within("mismatch", _rate, ADAPTIVE)),
+    Statement("mismatch", ESTIMATION, "NESO and I&I much better than TF",
+              _ordered("mismatch", ("ii", "neso", "tf"), _relative)),
+    Statement("wheel", "worst pointing error of the static laws", "about a degree", _degrees),
+    Statement("wheel", POINTING, "only the adaptive laws within 30", _within("wheel", _pointing, ADAPTIVE)),
+    Statement("wheel", RATE, "only I&I within 1", _within("wheel", _rate, ("ii",))),
+    Statement("wheel", ESTIMATION, "I&I best, then NESO, then TF", _ordered("wheel", ("ii", "neso", "tf"), _relative)),
+    Statement("wheel", "workload [mJ]", "slightly less with the adaptive laws", _less_work),
+    Statement("mirror", "scanning error RMS over that of the nominal case", "static laws much worse", _damage),
+    Statement("mirror", POINTING, "only the adaptive laws within 30", _within("mirror", _pointing, ADAPTIVE)),
+    Statement("mirror", RATE, "only I&I within 1", _within("mirror", _rate, ("ii",))),
+    Statement("mirror", ESTIMATION, "I&I by far best, then NESO, then TF",
+              _ordered("mirror", ("ii", "neso", "tf"), _relative)),
+    Statement("mirror", "steady error RMS [arcsec], from small to large", "of the adaptive laws NESO most",
+              _ordered("mirror", ("ii", "tf", "neso"), _steady)),
 )  # fmt: skip
 
 
-def judged(runs: Runs, reading: Reading) -> list[Row]:
-    """A row per claim, on the runs of one reading."""
-    rows = []
-    for claim in CLAIMS:
-        ours, holds = claim.judge(runs)
-        note = "from 20 s after the beginning of each stretch" if "worst" in claim.cell else ""
-        rows.append(Row("trigo", SECTION, claim.cell, reading.name, claim.printed, ours, None, verdict(holds), note))
-    return [*rows, _limits(runs, reading)]
+def judged(runs: Runs, reading: Reading) -> list[Claim]:
+    """A claim per statement, on the runs of one reading."""
+    claims = []
+    for scenario, what, printed, judge in STATEMENTS:
+        (ours, holds), name = judge(runs), reading.name
+        note = "from 20 s after the beginning of each stretch" if "worst" in what else ""
+        claims.append(Claim(SECTION, f"{scenario}: {what}", name, printed, ours, holds, note, reading=name))
+    return [*claims, _limits(runs, reading)]
 
 
-def _limits(runs: Runs, reading: Reading) -> Row:
+def _limits(runs: Runs, reading: Reading) -> Claim:
     those = [m for run, m in runs.items() if run.rate == CONTROL_RATE]
     limit = reading.acceleration_limit
     reached = sum(m.command_rate >= limit * (1 - 1e-9) for m in those)
@@ -148,14 +154,10 @@ def _limits(runs: Runs, reading: Reading) -> Row:
         f"rate of x_2,c at its limit of {degrees(limit):.2f} deg/s² in {reached} of {len(those)} runs; "
         f"torque at most {torque:.4f} of {TORQUE_LIMIT:.4f} N·m"
     )
-    return Row(
-        "trigo",
-        SECTION,
+    cell, printed, note = (
         "limits of the command filters",
-        reading.name,
         "not reached in any run",
-        ours,
-        None,
-        verdict(reached == 0 and torque < TORQUE_LIMIT),
         "at the start, where x_2,c comes from 0",
     )
+    holds = reached == 0 and torque < TORQUE_LIMIT
+    return Claim(SECTION, cell, reading.name, printed, ours, holds, note, reading=reading.name)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import cos, inf, pi, radians, sin, sqrt
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fmus.errors import AdcsError
+from adcs.library.choices import Checked, choice, part
 
 REFERENCE = "Thesis on robust and adaptive nonlinear attitude control of a spacecraft, chapters 8 and 9"
 
@@ -31,6 +31,7 @@ SCENARIOS: dict[Scenario, str] = {
     "wheel": "a reaction wheel saturated",
     "mirror": "a mirror swinging in the payload",
 }
+STATIC: tuple[Controller, ...] = ("bs", "rbs")
 ADAPTIVE: tuple[Controller, ...] = ("tf", "neso", "ii")
 STOP_TIME = 1100.0  # s
 CONTROL_RATE = 10.0  # Hz, of Tables 9.6 to 9.16
@@ -155,24 +156,24 @@ def mirror_moments(size: tuple[float, float, float]) -> tuple[float, float, floa
 
 
 @dataclass(frozen=True)
-class Choices:
+class Choices(Checked):
     """How the study judges, and how much of it runs. All of it is printed in the report."""
 
-    agreement: float = field(
-        default=0.001, metadata={"help": "a cell is reproduced within this relative error, or half its last digit"}
+    agreement: float = choice(
+        0.001,
+        "a cell is reproduced within this relative error, or half its last digit",
+        part,
+        "a relative error between 0 and 1",
     )
-    stop_time: float = field(default=STOP_TIME, metadata={"help": "end of every run [s]; the tables need 1100"})
-    other_rates: int = field(default=1, metadata={"help": "0: only the runs at 10 Hz, 1: those at 5, 20 and 50 Hz too"})
-
-    def __post_init__(self) -> None:
-        """Refuse choices with which the cells cannot be judged."""
-        for name, holds, expected in (
-            ("agreement", 0 < self.agreement < 1, "a relative error between 0 and 1"),
-            ("stop_time", 505 < self.stop_time < inf, "more than 505 s, where the last interval of the tables begins"),
-            ("other_rates", self.other_rates in (0, 1), "0 or 1"),
-        ):
-            if not holds:
-                raise AdcsError(f"choice {name} = {getattr(self, name):g}: expected {expected}")
+    stop_time: float = choice(
+        STOP_TIME,
+        "end of every run [s]; the tables need 1100",
+        lambda stop, _: 505 < stop < inf,
+        "more than 505 s, where the last interval of the tables begins",
+    )
+    other_rates: int = choice(
+        1, "0: only the runs at 10 Hz, 1: those at 5, 20 and 50 Hz too", lambda rates, _: rates in (0, 1), "0 or 1"
+    )
 
 
 Start = dict[str, Any]

@@ -46,7 +46,7 @@ def in_both_readings(
     """
     runs: dict[tuple[str, Reading], Simulation] = {}
     for law, (build, record) in builds.items():
-        for reading in FREQUENCIES if law != FULL else ("printed",):
+        for reading in [reading for reading in FREQUENCIES if law != FULL or reading == "printed"]:
             text = "full parametrisation" if law == FULL else f"{law}, {label(reading)}"
             stop, method = settings.STOP_TIME, ModelExchange()
             system = build(reading)

@@ -44,9 +44,7 @@ FUEL_CASES = [
 
 def exchange_steps(_: Choices) -> Section:
     """Every loop at 1 ms and 10 ms: the largest difference of a component."""
-    runs = {}
-    for label, build in SYSTEMS.items():
-        runs |= at_steps(label, build, RECORD, STEPS, GRID, STOP_TIME)
+    runs = at_steps(SYSTEMS, RECORD, STEPS, GRID, STOP_TIME)
 
     def show(found: Mapping[tuple[str, float], Result]) -> Outcome:
         rows = [

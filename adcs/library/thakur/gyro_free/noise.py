@@ -48,7 +48,7 @@ def exchanged(label: str, system: System, choices: Choices) -> Simulation:
 def noisy(choices: Choices) -> Section:
     """Both laws in both cones: transient, steady state, comparison."""
     period, spread, seeds = choices.redraw_period, choices.vector_spread, _seeds(choices)
-    noises = {
+    noises: dict[object, tuple[float, float, float]] = {
         HALF_ANGLE: (HALF_ANGLE, period, spread),
         LARGER: (LARGER, period, spread),
         **{f"redrawn every {p:g} s": (HALF_ANGLE, p, spread) for p in OTHER_PERIODS},
@@ -59,8 +59,8 @@ def noisy(choices: Choices) -> Section:
         for name, (angle, redrawn, wide) in noises.items():
             for seed in seeds:
                 label = f"{control}, {angle:g} deg, redrawn every {redrawn:g} s, spread {wide:.3g}, seed {seed}"
-                noise = {"half_angle": radians(angle), "spread": wide, "redraw_period": redrawn, "seed": seed}
-                runs[control, name, seed] = exchanged(label, build(**noise), choices)  # type: ignore[arg-type]
+                system = build(half_angle=radians(angle), spread=wide, redraw_period=redrawn, seed=seed)
+                runs[control, name, seed] = exchanged(label, system, choices)
         runs[control, CLEAN, 0] = exchanged(f"{control}, no noise", build(), choices)
         first = runs[control, HALF_ANGLE, seeds[0]].system
         runs[control, COUPLED, 0] = Simulation(

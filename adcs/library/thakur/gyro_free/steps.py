@@ -35,7 +35,5 @@ def exchange_steps(choices: Choices) -> Section:
         columns = ["control", "exchange step [ms]", *COMPARED.values()]
         return Outcome(tables=[Table("Distance from the coupled solution", columns, rows, note)])
 
-    runs = {}
-    for label, build in SYSTEMS.items():
-        runs |= at_steps(label, build, RECORD, STEPS, GRID, choices.stop_time)
+    runs = at_steps(SYSTEMS, RECORD, STEPS, GRID, choices.stop_time)
     return Section("Chapter 4: co-simulation against the coupled solution", "", show, runs)

@@ -12,7 +12,7 @@ from adcs.library.sections import Section
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.observer.noise_free import FULL_STATE, OBSERVER
 from adcs.library.thakur.observer.signals import ATTITUDE, ERRORS, signals
-from adcs.library.thakur.observer.systems import RECORD, RECORD_OBSERVER, full_state_pd, observer_pd
+from adcs.library.thakur.observer.systems import RECORD_OBSERVER, full_state_pd, observer_pd
 from adcs.library.trajectory import Trajectory, norm_panel
 from orchestration.results.plots import Panel, Series
 from orchestration.results.report import KeyNumber, Table
@@ -29,19 +29,14 @@ STATES = {
     "observer.q_EN": "q_EN",
     "observer.omega_EN_E": "ω_EN [rad/s]",
 }
-SYSTEMS: dict[str, tuple[Callable[[], System], Sequence[str]]] = {
-    OBSERVER: (observer_pd, RECORD_OBSERVER),
-    FULL_STATE: (full_state_pd, RECORD),
-}
+SYSTEMS: dict[str, Callable[[], System]] = {OBSERVER: observer_pd, FULL_STATE: full_state_pd}
 
 Ladder = Mapping[tuple[str, float], Result]
 
 
 def exchange_step(choices: Choices) -> Section:
     """Both noise-free systems at several exchange steps: the largest difference of the states, and its order."""
-    runs = {}
-    for label, (build, record) in SYSTEMS.items():
-        runs |= at_steps(label, build, record, STEPS, GRID, choices.stop_time)
+    runs = at_steps(SYSTEMS, RECORD_OBSERVER, STEPS, GRID, choices.stop_time)
 
     def show(found: Ladder) -> Outcome:
         outcome = Outcome()

@@ -29,8 +29,8 @@ IDENTICAL = 1e-6  # of the peak; a printed curve shows about a thousandth
 
 def quest(choices: Choices) -> Section:
     """The loop of Fig. 5.1 with QUEST in place of the quaternion: what differs, and whether the sign ever jumps."""
-    runs = at_steps(QUEST, quest_observer_pd, RECORD_QUEST, STEPS, OUTPUT_STEP, choices.stop_time)
-    runs |= at_steps(DIRECT, observer_pd, RECORD_OBSERVER, (), OUTPUT_STEP, choices.stop_time)
+    runs = at_steps({QUEST: quest_observer_pd}, RECORD_QUEST, STEPS, OUTPUT_STEP, choices.stop_time)
+    runs |= at_steps({DIRECT: observer_pd}, RECORD_OBSERVER, (), OUTPUT_STEP, choices.stop_time)
     return Section(
         "5.4.3  Quaternion by QUEST", "The statements of Sec. 5.4.3", lambda found: _show(found, choices), runs
     )

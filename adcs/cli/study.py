@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -28,6 +28,7 @@ app = command("study", "adcs study thakur", "adcs study six-dof --out results/pa
 
 _VERDICT_STYLE = {"reproduced": "green", "not reproduced": "red", "wrong in print": "yellow"}
 _MISSES = 20  # shown at most
+_CELLS = ("where", "claim", "settings", "printed", "ours")
 
 
 @app.default
@@ -128,12 +129,13 @@ def _show(console: Console, title: str, outcome: Outcome, everything: bool) -> N
     """The verdicts by where the claims stand; the misses, or all claims; and the score."""
     console.print(_counts(title, outcome.claims))
     scored = outcome.scored()
-    shown = outcome.claims if everything else [claim for claim in scored if not claim.holds and claim.holds is not None]
-    if shown:
-        most = len(shown) if everything else _MISSES
-        console.print(_claims("All claims" if everything else "Not reproduced", shown[:most]))
-        if len(shown) > most:
-            console.print(f"and {len(shown) - most} more: the report has all, and so have --all and --json")
+    missed = [claim for claim in scored if claim.verdict == "not reproduced"]
+    if everything:
+        console.print(_claims("All claims", outcome.claims, [*_CELLS, "verdict"]))
+    elif missed:
+        console.print(_claims("Not reproduced", missed[:_MISSES], _CELLS))
+        if len(missed) > _MISSES:
+            console.print(f"and {len(missed) - _MISSES} more: the report has all, and so have --all and --json")
     score = ", ".join(f"[{_VERDICT_STYLE[v]}]{count} {v}[/]" for v, count in tally(scored).items())
     console.print(f"{len(scored)} claims{_of_reading(outcome)}: {score}")
 
@@ -143,27 +145,43 @@ def _of_reading(outcome: Outcome) -> str:
 
 
 def _counts(title: str, claims: Sequence[Claim]) -> RichTable:
-    """A line for each place, and for each reading of it where there are several."""
+    """A line for each place, and for each reading of it where there are several, with what these come to."""
+    readings = dict.fromkeys(claim.reading for claim in claims)
+    shown = len(readings) > 1
     table = RichTable(title=title, title_justify="left", title_style="bold")
-    readings = any(claim.reading for claim in claims)
-    for column in ("where", *(["reading"] if readings else [])):
+    for column in ("where", *(["reading"] if shown else [])):
         table.add_column(column, overflow="fold")
-    for style in _VERDICT_STYLE:
-        table.add_column(style, justify="right")
-    for where, reading in dict.fromkeys((claim.where, claim.reading) for claim in claims):
-        counts = tally(claim for claim in claims if (claim.where, claim.reading) == (where, reading))
-        names = (where, reading) if readings else (where,)
+    for verdict in _VERDICT_STYLE:
+        table.add_column(verdict, justify="right")
+
+    def add(where: str, reading: str, those: Iterable[Claim]) -> None:
+        counts = tally(those)
         cells = [f"[{style}]{counts[v]}[/]" if v in counts else "" for v, style in _VERDICT_STYLE.items()]
-        table.add_row(*map(escape, names), *cells)
+        table.add_row(*map(escape, (where, reading) if shown else (where,)), *cells)
+
+    for where, reading in dict.fromkeys((claim.where, claim.reading) for claim in claims):
+        add(where, reading, [claim for claim in claims if (claim.where, claim.reading) == (where, reading)])
+    if shown:
+        table.add_section()
+        for reading in readings:
+            add("all", reading, [claim for claim in claims if claim.reading == reading])
     return table
 
 
-def _claims(title: str, claims: Sequence[Claim]) -> RichTable:
+def _claims(title: str, claims: Sequence[Claim], columns: Sequence[str]) -> RichTable:
+    """The claims; without the run they are of where that is but the reading."""
+    columns = [name for name in columns if name != "settings" or any(c.settings not in ("", c.reading) for c in claims)]
     table = RichTable(title=title, title_justify="left", title_style="bold")
-    for column in ("where", "claim", "settings", "printed", "ours", "verdict"):
+    for column in columns:
         table.add_column(column, overflow="fold")
     for claim in claims:
-        values = [report.format_cell(value) for value in (claim.printed, claim.measure)]
-        verdict = f"[{_VERDICT_STYLE[claim.verdict]}]{claim.verdict}[/]"
-        table.add_row(*map(escape, (claim.where, claim.statement, claim.settings, *values)), verdict)
+        cells = {
+            "where": escape(claim.where),
+            "claim": escape(claim.statement),
+            "settings": escape(claim.settings),
+            "printed": escape(report.format_cell(claim.printed)),
+            "ours": escape(report.format_cell(claim.measure)),
+            "verdict": f"[{_VERDICT_STYLE[claim.verdict]}]{claim.verdict}[/]",
+        }
+        table.add_row(*(cells[column] for column in columns))
     return table

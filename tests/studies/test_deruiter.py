@@ -194,7 +194,7 @@ class TestVerdicts:
         ],
     )
     def test_bounds(self, size: float, error: float, verdicts: list[str]) -> None:
-        rows = bounded._claims(self.case("observer knows the inertia"), made_up(size, error), self.choices)
+        rows = list(bounded._claims(self.case("observer knows the inertia"), made_up(size, error), self.choices))
         assert [row.verdict for row in rows[:2]] == verdicts
         assert ("beyond its bound" in rows[0].note) == (error > 8e-4)
         assert rows[2].verdict == "reproduced"
@@ -202,7 +202,7 @@ class TestVerdicts:
 
     def test_an_estimate_outside_its_ball(self) -> None:
         run = made_up(1e-4, distance=1.05, distance_p=0.0)
-        rows = bounded._claims(self.case("exact states"), run, self.choices)
+        rows = list(bounded._claims(self.case("exact states"), run, self.choices))
         assert [row.verdict for row in rows] == ["reproduced", "reproduced", "not reproduced"]
         assert exact._edge("made up", run, self.choices).verdict == "not reproduced"
 

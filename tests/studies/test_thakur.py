@@ -122,7 +122,7 @@ class TestNoiseFree:
     def test_an_error_that_does_not_settle_is_not_reproduced(self) -> None:
         time = np.linspace(0, 100, 1001)
         pair = {OBSERVER: made_up(0.03, time), FULL_STATE: made_up(1e-3, time, observer=False)}
-        rows = noise_free._convergence(pair, Choices())
+        rows = list(noise_free._convergence(pair, Choices()))
         assert [row.verdict for row in rows if row.settings == OBSERVER] == ["not reproduced"] * 4
         assert [row.verdict for row in rows if row.settings == FULL_STATE] == ["reproduced"] * 2
         assert all(np.isnan(row.measure) for row in rows if row.settings == OBSERVER)  # type: ignore[arg-type]

@@ -120,7 +120,7 @@ class TestAppendage:
 
     def test_estimates(self) -> None:
         good, bad = made_up(1e-4, 1e-3), made_up(1e-4, 1e-3, sigma=0.5)
-        rows = estimates("Sec. 3.4.1", good, bad, Choices())
+        rows = list(estimates("Sec. 3.4.1", good, bad, Choices()))
         assert [row.verdict for row in rows] == ["reproduced", "not reproduced", "reproduced"]
         assert good.end(SIGMA_ERROR) == pytest.approx(np.exp(-8))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -117,21 +117,20 @@ def _panels(runs: Runs, guarantee: Guarantee, group: str, choices: Choices) -> l
     return panels
 
 
-def _claims(case: Case, run: Trajectory, choices: Choices) -> list[Claim]:
+def _claims(case: Case, run: Trajectory, choices: Choices) -> Iterator[Claim]:
     tail = run.after(choices.steady_from)
     broken = [f"{premise[1]} beyond its bound" for premise in _premises(case, run, choices) if not premise[4]]
     settings = f"{case.group.lower()}, {case.label}" if case.group != EXACT else "exact states, disturbance"
-    claims = []
     for error, limit in ((ATTITUDE, case.guarantee.q_limit), (RATE, case.guarantee.rate_limit)):
         peak, cell = tail.peak(error), f"limit superior of the {error}{error.in_unit}"
         note = f"{peak / limit:.0%} of the bound; largest norm from {choices.steady_from:g} s "
         note = "; ".join([f"{note}to {choices.stop_time:g} s", *broken])
         holds = peak <= limit and not broken
-        claims.append(Claim("Theorem 1", cell, settings, f"at most {limit:.4g}", peak, holds, note))
+        yield Claim("Theorem 1", cell, settings, f"at most {limit:.4g}", peak, holds, note)
     edge, farthest = float(np.sqrt(1 + choices.epsilon)), max(run.peak(distance) for distance in DISTANCES)
     cell, printed = "estimates stay in G and G_p", f"at most {edge:.5g} times η, η_p"
     note = "over the whole run; the projection never acts" if farthest <= 1 else "the projection acts"
-    return [*claims, Claim("Projection, 2)", cell, settings, printed, farthest, farthest <= edge, note)]
+    yield Claim("Projection, 2)", cell, settings, printed, farthest, farthest <= edge, note)
 
 
 def _sequence(group: str, guarantee: Guarantee) -> Claim:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
@@ -79,8 +79,7 @@ def _theorem(runs: Runs, choices: Choices) -> Outcome:
     return Outcome(claims, _panels(runs, choices), tables, _key_numbers(runs, choices))
 
 
-def _convergence(runs: Runs) -> list[Claim]:
-    claims = []
+def _convergence(runs: Runs) -> Iterator[Claim]:
     for label, run_ in runs.items():
         for error in ERRORS:
             end, limit = run_.end(error), NEGLIGIBLE[error]
@@ -88,8 +87,7 @@ def _convergence(runs: Runs) -> list[Claim]:
             if label == LIMITED:
                 note += "; the theorem knows no limits, that it converges all the same is an observation"
             cell = f"{error} converges to zero"
-            claims.append(Claim("Theorem 4.1", cell, label, "asymptotically", end, end < limit, note))
-    return claims
+            yield Claim("Theorem 4.1", cell, label, "asymptotically", end, end < limit, note)
 
 
 def _blind() -> Claim:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -72,18 +72,15 @@ def _problem(runs: Runs, choices: Choices, which: Problem) -> Outcome:
     return Outcome(claims, _panels(runs, choices, which), [_table(which, uncertain, choices)], [number])
 
 
-def _ideal(which: Problem, ideal: Trajectory) -> list[Claim]:
-    claims = []
+def _ideal(which: Problem, ideal: Trajectory) -> Iterator[Claim]:
     for error in (ATTITUDE, RATE):
         end, peak = ideal.end(error), ideal.peak(error)
         cell = f"{error} converges to zero without uncertainties"
         note = f"{error.size} at {ideal.time[-1]:g} s, peak {peak:.3g}; judged at 1e-9 of the peak"
-        claims.append(Claim("Sec. IV", cell, which.name, "asymptotically", end, end < 1e-9 * peak, note))
-    return claims
+        yield Claim("Sec. IV", cell, which.name, "asymptotically", end, end < 1e-9 * peak, note)
 
 
-def _uncertain(which: Problem, ideal: Trajectory, runs: list[Trajectory], choices: Choices) -> list[Claim]:
-    claims = []
+def _uncertain(which: Problem, ideal: Trajectory, runs: list[Trajectory], choices: Choices) -> Iterator[Claim]:
     start, settings = choices.steady_from, f"{which.name}, {len(runs)} random sequences"
     tails = [run.after(start) for run in runs]
     for error in (ATTITUDE, RATE):
@@ -95,8 +92,7 @@ def _uncertain(which: Problem, ideal: Trajectory, runs: list[Trajectory], choice
             f"{ideal.peak(error):.3g}; not zero: more than 100 times the ideal run"
         )
         holds = bounded and not vanishing
-        claims.append(Claim(f"Fig. {which.figure}", cell, settings, "bounded", peak, holds, note))
-    return claims
+        yield Claim(f"Fig. {which.figure}", cell, settings, "bounded", peak, holds, note)
 
 
 def _panels(runs: Runs, choices: Choices, which: Problem) -> list[Panel]:

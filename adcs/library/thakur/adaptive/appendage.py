@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from adcs.library.outcome import Claim, Outcome
 from adcs.library.sections import Section
 from adcs.library.thakur.adaptive import settings as settings
@@ -60,18 +62,17 @@ def moving_appendages(choices: Choices) -> Section:
     return in_both_readings("3.4.1  Deployable appendage", "appendage", builds, show)
 
 
-def _errors(runs: Runs, reading: Reading, choices: Choices) -> list[Claim]:
+def _errors(runs: Runs, reading: Reading, choices: Choices) -> Iterator[Claim]:
     proposed, comparison = runs[PROPOSED], runs[COMPARISON]
     ours, theirs = last(proposed), last(comparison)
-    claims = []
     for error, limit in REACHED.items():
         end, largest = proposed.end(error), ours.peak(error)
         note = f"it oscillates: over the last {LAST:g} s it is between {ours.least(error):.2g} and {largest:.2g}"
         which, printed = f"{PROPOSED}, {label(reading)}", f"below {limit:g} within 400 s"
-        claims.append(Claim(WHERE, f"{error} at 400 s{error.in_unit}", which, printed, end, end < limit, note))
+        yield Claim(WHERE, f"{error} at 400 s{error.in_unit}", which, printed, end, end < limit, note)
         cell = f"{error}, largest over the last {LAST:g} s{error.in_unit}"
         note = "the stricter reading of the same sentence: that it stays below"
-        claims.append(Claim(WHERE, cell, which, printed, largest, largest < limit, note))
+        yield Claim(WHERE, cell, which, printed, largest, largest < limit, note)
     for error, level in SATURATED.items():
         mean = theirs.rms(error)
         note = (
@@ -80,12 +81,11 @@ def _errors(runs: Runs, reading: Reading, choices: Choices) -> list[Claim]:
         )
         near, which = level / choices.marginal <= mean <= level * choices.marginal, f"{COMPARISON}, {label(reading)}"
         cell = f"{error} saturates{error.in_unit}"
-        claims.append(Claim(WHERE, cell, which, f"around {level:g}", mean, near, note))
+        yield Claim(WHERE, cell, which, f"around {level:g}", mean, near, note)
         ratio, which = mean / ours.rms(error), f"{COMPARISON} / {PROPOSED}, {label(reading)}"
         cell, printed = f"{error} in the end: ratio", "significantly diminished convergence"
         note = "of the root mean squares; judged at 10"
-        claims.append(Claim(WHERE, cell, which, printed, ratio, ratio > 10, note))
-    return claims
+        yield Claim(WHERE, cell, which, printed, ratio, ratio > 10, note)
 
 
 def _effort(runs: Runs, reading: Reading) -> list[Claim]:

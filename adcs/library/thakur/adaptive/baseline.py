@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import hypot, sqrt
 
 import numpy as np
@@ -54,9 +55,8 @@ def alike(ratio: float) -> bool:
     return 1 / ALIKE < ratio < ALIKE
 
 
-def _similar(pair: Runs) -> list[Claim]:
+def _similar(pair: Runs) -> Iterator[Claim]:
     settings, printed = f"{PROPOSED} / {COMPARISON}", "similar (about 1)"
-    claims = []
     for error in (ATTITUDE, RATE):
         times = [run.settled(error, 0.02) for run in pair.values()]
         peaks = [run.peak(error) for run in pair.values()]
@@ -64,11 +64,11 @@ def _similar(pair: Runs) -> list[Claim]:
         note = (
             f"{times[0]:.3g} s and {times[1]:.3g} s to 2 % of the peaks, {peaks[0]:.3g} and {peaks[1]:.3g}; judged at "
         )
-        claims.append(Claim(WHERE, cell, settings, printed, ratio, alike(ratio), f"{note}a factor of {ALIKE:g}"))
+        yield Claim(WHERE, cell, settings, printed, ratio, alike(ratio), f"{note}a factor of {ALIKE:g}")
     peaks = [run.peak(TORQUE) for run in pair.values()]
     note = f"{peaks[0]:.3g} and {peaks[1]:.3g} N.m; judged at a factor of {ALIKE:g}"
     ratio = peaks[0] / peaks[1]
-    return [*claims, Claim(WHERE, "largest torque: ratio", settings, printed, ratio, alike(ratio), note)]
+    yield Claim(WHERE, "largest torque: ratio", settings, printed, ratio, alike(ratio), note)
 
 
 def peak_rate(reading: Reading) -> float:

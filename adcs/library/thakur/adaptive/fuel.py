@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import hypot
 
 import numpy as np
@@ -72,38 +73,35 @@ def losing_fuel(choices: Choices) -> Section:
     return in_both_readings("3.4.2  Fuel loss", "fuel", builds, show)
 
 
-def _errors(runs: Runs, reading: Reading) -> list[Claim]:
-    claims = []
+def _errors(runs: Runs, reading: Reading) -> Iterator[Claim]:
     for error in (ATTITUDE, RATE):
         proposed, comparison = (last(runs[law]).peak(error) for law in (PROPOSED, COMPARISON))
         part, which = proposed / runs[PROPOSED].peak(error), f"{PROPOSED}, {label(reading)}"
         cell = f"{error}, largest over the last {LAST:g} s / peak"
         note = f"{proposed:.2g}{error.in_unit}; judged at 1e-4 of the peak"
-        claims.append(Claim(WHERE, cell, which, "driven to the origin", part, part < 1e-4, note))
+        yield Claim(WHERE, cell, which, "driven to the origin", part, part < 1e-4, note)
         ratio, which = comparison / proposed, f"{COMPARISON} / {PROPOSED}, {label(reading)}"
         cell = f"{error} in the end: ratio of the largest over the last {LAST:g} s"
         note = f"{comparison:.2g} and {proposed:.2g}{error.in_unit}; judged at 10"
-        claims.append(Claim(WHERE, cell, which, "appreciable loss of accuracy", ratio, ratio > 10, note))
-    return claims
+        yield Claim(WHERE, cell, which, "appreciable loss of accuracy", ratio, ratio > 10, note)
 
 
-def _law(runs: Runs, reading: Reading) -> list[Claim]:
+def _law(runs: Runs, reading: Reading) -> Iterator[Claim]:
     least, which = runs[PROPOSED].least(MARGIN), f"{PROPOSED}, {label(reading)}"
     cell, note = "least implementability of the law", "1 - ‖Ĵ₁Ω‖ must be positive, (3.39)"
-    claims = [Claim(WHERE, cell, which, "well-defined throughout", least, least > 0, note)]
+    yield Claim(WHERE, cell, which, "well-defined throughout", least, least > 0, note)
     ours, theirs = (runs[law].until(EARLY).peak(TORQUE) for law in (PROPOSED, COMPARISON))
     ratio, which = ours / theirs, f"{PROPOSED} / {COMPARISON}, {label(reading)}"
     cell = "control torque in the transient: ratio of the peaks"
     note = f"{ours:.3g} and {theirs:.3g} N.m; judged at a factor of {ALIKE:g}"
-    claims.append(Claim(WHERE, cell, which, "comparable", ratio, alike(ratio), note))
+    yield Claim(WHERE, cell, which, "comparable", ratio, alike(ratio), note)
     for control, run in runs.items():
         tops = torque_peaks(run, np.pi / FREQUENCIES[reading])
         falling, which = bool(np.all(np.diff(tops) < 0)), f"{control}, {label(reading)}"
         cell = f"peaks of the control torque from {DECAY_FROM:g} s on [N.m]"
         note = f"{len(tops)} peaks, one in each half period of the reference"
         ours_ = f"{tops[0]:.4g} to {tops[-1]:.4g}, {'each below the one before' if falling else 'not all falling'}"
-        claims.append(Claim(WHERE, cell, which, "monotonic decay", ours_, falling, note))
-    return claims
+        yield Claim(WHERE, cell, which, "monotonic decay", ours_, falling, note)
 
 
 def torque_peaks(run: Trajectory, half_period: float) -> np.ndarray:
@@ -119,8 +117,7 @@ def _bounded(run: Trajectory, reading: Reading) -> Claim:
     return Claim(WHERE, cell, which, "bounded by 0.0113", largest, largest <= SIGMA_RADIUS * (1 + 1e-6), note)
 
 
-def _inertia(runs: Runs, reading: Reading) -> list[Claim]:
-    claims = []
+def _inertia(runs: Runs, reading: Reading) -> Iterator[Claim]:
     for control, run in runs.items():
         least, margin, spent = float(run[MOMENTS].min()), run.least(TRIANGLE), run.end(IMPULSE)
         cell, which = "inertia positive definite and within (3.5), Fig. 3.11", f"{control}, {label(reading)}"
@@ -128,8 +125,7 @@ def _inertia(runs: Runs, reading: Reading) -> list[Claim]:
         note += f"at an impulse of {spent:.0f} N.m.s"
         holds = least > 0 and margin > 0
         ours = "throughout" if holds else "not to the end"
-        claims.append(Claim(WHERE, cell, which, "throughout", ours, holds, note))
-    return claims
+        yield Claim(WHERE, cell, which, "throughout", ours, holds, note)
 
 
 def _ends(read: Read) -> Table:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from adcs.library.attitude import direction_cosines
@@ -69,29 +71,26 @@ def _lyapunov_matrix(P: Array) -> Claim:
     return Claim(WHERE, "P", "A_m, Q as printed", text, ours, off <= 1e-12, "solved for by the component", off)
 
 
-def _torques(pair: Runs) -> list[Claim]:
-    claims = []
+def _torques(pair: Runs) -> Iterator[Claim]:
     for control, run in pair.items():
         peak, when = run.peak(TORQUE), run.time[int(run.norm(TORQUE).argmax())]
         cell, printed = "largest control torque [N·m]", f"less than {LARGEST_TORQUE:g}"
-        claims.append(Claim(WHERE, cell, control, printed, peak, peak < LARGEST_TORQUE, f"at {when:g} s"))
+        yield Claim(WHERE, cell, control, printed, peak, peak < LARGEST_TORQUE, f"at {when:g} s")
     more = pair[GYRO_FREE].start(TORQUE) - pair[FULL_STATE].start(TORQUE)
     cell = "initial torque norm, gyro-free - full state [N·m]"
     note = "judged to the one digit given; it is the rate term of full state, k_ω ‖ω(0)‖ = 0.0021 N·m, against Ω(0)"
     same = round(more, 3) == MORE_TORQUE
-    return [*claims, Claim(WHERE, cell, "", MORE_TORQUE, more, same, note, more / MORE_TORQUE - 1)]
+    yield Claim(WHERE, cell, "", MORE_TORQUE, more, same, note, more / MORE_TORQUE - 1)
 
 
-def _convergence(pair: Runs, choices: Choices) -> list[Claim]:
-    claims = []
+def _convergence(pair: Runs, choices: Choices) -> Iterator[Claim]:
     for what in (RATE, ANGLE):
         for control, run in pair.items():
             settled, peak, left = run.settled(what, choices.settled), run.peak(what), run.after(AT_REST_BY).start(what)
             note = f"below {choices.settled:g} of its peak ({peak:.3g} {what.unit}); at {AT_REST_BY:g} s "
             note += f"{left:.2g} {what.unit}, {left / peak:.2g} of it"
             cell, holds = f"{what} driven to the origin [s]", settled <= AT_REST_BY
-            claims.append(Claim(WHERE, cell, control, "within two minutes", settled, holds, note))
-    return claims
+            yield Claim(WHERE, cell, control, "within two minutes", settled, holds, note)
 
 
 def _effort(pair: Runs) -> Claim:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from math import log10, radians
 from typing import Any
 
@@ -108,43 +108,36 @@ def _steady(runs: list[Trajectory], choices: Choices) -> Steady:
     return steady(runs, choices.rest_from)
 
 
-def _transient(runs: Draws, exact: Runs) -> list[Claim]:
-    claims = []
+def _transient(runs: Draws, exact: Runs) -> Iterator[Claim]:
     for what in (ANGLE, RATE):
         for control, clean in exact.items():
             off = max(np.abs(run.norm(what) - clean.norm(what)).max() for run in runs[control, HALF_ANGLE])
             part, cell = float(off / clean.peak(what)), f"transient of the {what}: largest change by noise / peak"
             note, holds = f"judged at {UNAFFECTED:g}", part <= UNAFFECTED
-            claims.append(Claim(WHERE, cell, control, "relatively unaffected", part, holds, note))
-    return claims
+            yield Claim(WHERE, cell, control, "relatively unaffected", part, holds, note)
 
 
-def _residual(level: Mapping[Key, Steady], exact: Runs, choices: Choices) -> list[Claim]:
-    claims = []
+def _residual(level: Mapping[Key, Steady], exact: Runs, choices: Choices) -> Iterator[Claim]:
     for what in (ANGLE, RATE):
         for control in CONTROLS:
             ours, clean = level[control, HALF_ANGLE][what], exact[control].after(choices.rest_from).rms(what)
             note = f"root mean square from {choices.rest_from:g} to {choices.rest_stop_time:g} s; "
             note += f"without noise {clean:.1g}"
             cell, holds = f"{what} in steady state{what.in_unit}", ours > LEFT_OVER * clean
-            claims.append(Claim(WHERE, cell, control, "nonzero steady-state value", ours, holds, note))
-    return claims
+            yield Claim(WHERE, cell, control, "nonzero steady-state value", ours, holds, note)
 
 
-def _growth(level: Mapping[Key, Steady]) -> list[Claim]:
+def _growth(level: Mapping[Key, Steady]) -> Iterator[Claim]:
     low, high = ALMOST_AN_ORDER
-    claims = []
     for what in (ANGLE, RATE):
         for control in CONTROLS:
             ratio = level[control, LARGER][what] / level[control, HALF_ANGLE][what]
             cell = f"{what} in steady state, {LARGER:g} deg / {HALF_ANGLE:g} deg"
             note, holds = f"in proportion, if judged at {10**low:.2g} to {10**high:.2g}", low <= log10(ratio) <= high
-            claims.append(Claim(WHERE, cell, control, "grows with the cone", ratio, holds, note))
-    return claims
+            yield Claim(WHERE, cell, control, "grows with the cone", ratio, holds, note)
 
 
-def _no_worse(runs: Draws, level: Mapping[Key, Steady], choices: Choices) -> list[Claim]:
-    claims = []
+def _no_worse(runs: Draws, level: Mapping[Key, Steady], choices: Choices) -> Iterator[Claim]:
     for what in (ANGLE, RATE):
         ratio = level[GYRO_FREE, HALF_ANGLE][what] / level[FULL_STATE, HALF_ANGLE][what]
         own, full = (runs[control, HALF_ANGLE] for control in (GYRO_FREE, FULL_STATE))
@@ -155,8 +148,7 @@ def _no_worse(runs: Draws, level: Mapping[Key, Steady], choices: Choices) -> lis
             f"{what} in steady state, gyro-free / full state",
             "noise affects it not any worse than full state",
         )
-        claims.append(Claim(WHERE, cell, f"{HALF_ANGLE:g} deg", printed, ratio, ratio <= NO_WORSE, note))
-    return claims
+        yield Claim(WHERE, cell, f"{HALF_ANGLE:g} deg", printed, ratio, ratio <= NO_WORSE, note)
 
 
 def _steady_table(level: Mapping[Key, Steady], choices: Choices) -> Table:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -67,15 +67,13 @@ def _moments_of(label: str) -> list[float]:
     return [float(x) for x in np.linalg.eigvalsh(np.asarray(INERTIA) + np.asarray(ERRORS[label]))]
 
 
-def _norms() -> list[Claim]:
-    claims = []
+def _norms() -> Iterator[Claim]:
     for label, printed in PRINTED_NORMS.items():
         ours, frobenius, columns = (_ratio(ERRORS[label], order) for order in (2, "fro", 1))
         others = f"Frobenius {frobenius:.3g}, largest column sum {columns:.3g}"
         cell, note = f"norm of {label[4:]} over that of J", f"spectral norm; {others}; judged by the one digit given"
         holds = round(ours, 1) == printed
-        claims.append(Claim("Eq. (5.63)", cell, "", f"≈ {printed}", ours, holds, note, ours / printed - 1))
-    return claims
+        yield Claim("Eq. (5.63)", cell, "", f"≈ {printed}", ours, holds, note, ours / printed - 1)
 
 
 def _magnitude() -> Claim:
@@ -88,9 +86,8 @@ def _magnitude() -> Claim:
     return Claim(WHERE, cell, "", "ΔJ₁", "ΔJ₂", None, note)
 
 
-def _moments() -> list[Claim]:
+def _moments() -> Iterator[Claim]:
     true = _moments_of(EXACT)
-    claims = []
     for label, printed, sign in ((SECOND, "smaller", -1), (FIRST, "slightly larger", 1)):
         ours = _moments_of(label)
         holding = sum(sign * (a - b) > 0 for a, b in zip(ours, true, strict=True))
@@ -98,12 +95,10 @@ def _moments() -> list[Claim]:
         note = f"{_list(ours)} against {_list(true)} kg·m²; {holding} of 3 are {printed.split()[-1]}, "
         note += f"their sum {trace:.3g} times as large" + ("" if holding == 3 else ": holds for the sum")
         cell = "principal moments against the true ones, sum"
-        claims.append(Claim(WHERE, cell, label, printed, trace, sign * (trace - 1) > 0, note))
-    return claims
+        yield Claim(WHERE, cell, label, printed, trace, sign * (trace - 1) > 0, note)
 
 
-def _transients(runs: Runs, choices: Choices) -> list[Claim]:
-    claims = []
+def _transients(runs: Runs, choices: Choices) -> Iterator[Claim]:
     for error in ESTIMATION:
         exact = runs[EXACT].settled(error, choices.settled)
         for label, printed in ((SECOND, "appears to converge faster at first"), (FIRST, "similar transient")):
@@ -112,20 +107,17 @@ def _transients(runs: Runs, choices: Choices) -> list[Claim]:
             areas = runs[label].area(error) / runs[EXACT].area(error)
             note = f"{exact:.4g} s with the exact inertia; ratio of the integrals of the norm {areas:.3g}"
             note += "" if label == SECOND else f"; similar: within a factor of {SIMILAR:g}"
-            claims.append(Claim(WHERE, f"{error} converges [s]", label, printed, time, holds, note))
-    return claims
+            yield Claim(WHERE, f"{error} converges [s]", label, printed, time, holds, note)
 
 
-def _residuals(runs: Runs, choices: Choices) -> list[Claim]:
-    claims = []
+def _residuals(runs: Runs, choices: Choices) -> Iterator[Claim]:
     for error in ESTIMATION:
         ends = {label: run.after(choices.steady_from).peak(error) for label, run in runs.items()}
         for label in (FIRST, SECOND):
             ours, cell = ends[label], f"{error} in steady state{error.in_unit}"
             holds = 1e3 * ends[EXACT] < ours <= choices.settled * runs[label].peak(error)
             note = f"largest after {choices.steady_from:g} s; {ends[EXACT]:.1g} with the exact inertia, still falling"
-            claims.append(Claim(WHERE, cell, label, "bounded, not zero", ours, holds, note))
-    return claims
+            yield Claim(WHERE, cell, label, "bounded, not zero", ours, holds, note)
 
 
 def _table(runs: Runs, choices: Choices) -> Table:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import log10, radians
 
 from adcs.library.outcome import Claim, Outcome
@@ -93,8 +93,7 @@ def _show(runs: Draws, periods: Mapping[float, Mapping[str, Steady]], choices: C
     return Outcome(claims, _panels(runs), [_steady_table(level, choices), _period_table(periods)], numbers)
 
 
-def _bounded(runs: Draws, level: Mapping[Key, Steady], choices: Choices) -> list[Claim]:
-    claims = []
+def _bounded(runs: Draws, level: Mapping[Key, Steady], choices: Choices) -> Iterator[Claim]:
     for (control, angle), draws in runs.items():
         for error in (ATTITUDE, ATTITUDE_ESTIMATE):
             if error in level[control, angle]:
@@ -103,12 +102,10 @@ def _bounded(runs: Draws, level: Mapping[Key, Steady], choices: Choices) -> list
                 cell, settings = f"steady-state {error}: bounded, not zero (rms)", f"{control}, {angle:g} deg"
                 note = f"never above {largest:.2g} after {choices.steady_from:g} s; peak of the run {whole:.2g}"
                 printed, holds = "non-zero steady-state value", 0 < largest < whole
-                claims.append(Claim(WHERE, cell, settings, printed, ours, holds, note))
-    return claims
+                yield Claim(WHERE, cell, settings, printed, ours, holds, note)
 
 
-def _slightly_better(runs: Draws, level: Mapping[Key, Steady], choices: Choices) -> list[Claim]:
-    claims = []
+def _slightly_better(runs: Draws, level: Mapping[Key, Steady], choices: Choices) -> Iterator[Claim]:
     for angle in (SMALL, LARGE):
         for error in TRACKING:
             ratio = level[OBSERVER, angle][error] / level[FULL_STATE, angle][error]
@@ -121,11 +118,10 @@ def _slightly_better(runs: Draws, level: Mapping[Key, Steady], choices: Choices)
             else:
                 note = f"full state is better, by more than slightly: {ratios}; {judged}"
             cell, printed = f"steady-state {error}, {BOTH}", "full state only slightly better (> 1)"
-            claims.append(Claim(WHERE, cell, f"{angle:g} deg", printed, ratio, 1 < ratio <= choices.marginal, note))
-    return claims
+            yield Claim(WHERE, cell, f"{angle:g} deg", printed, ratio, 1 < ratio <= choices.marginal, note)
 
 
-def _angles(level: Mapping[Key, Steady]) -> list[Claim]:
+def _angles(level: Mapping[Key, Steady]) -> Iterator[Claim]:
     growth = {
         (control, error): level[control, LARGE][error] / level[control, SMALL][error]
         for control in CONTROLS
@@ -133,17 +129,15 @@ def _angles(level: Mapping[Key, Steady]) -> list[Claim]:
         if error in level[control, SMALL]
     }
     low, high = ALMOST_AN_ORDER
-    claims = []
     for (control, error), ratio in growth.items():
         cell, printed = f"steady-state {error}, 0.5 deg / 0.05 deg", "almost a full order of magnitude"
         note = f"judged at {10**low:.2g} to {10**high:.2g}"
-        claims.append(Claim(WHERE, cell, control, printed, ratio, low <= log10(ratio) <= high, note))
+        yield Claim(WHERE, cell, control, printed, ratio, low <= log10(ratio) <= high, note)
     for error in TRACKING:
         ratio = growth[OBSERVER, error] / growth[FULL_STATE, error]
         cell, note = f"growth of the {error} with the cone, {BOTH}", f"judged at a factor of {NO_WORSE:g}"
         holds = ratio <= NO_WORSE
-        claims.append(Claim(WHERE, cell, "0.05 to 0.5 deg", "observer not affected worse", ratio, holds, note))
-    return claims
+        yield Claim(WHERE, cell, "0.05 to 0.5 deg", "observer not affected worse", ratio, holds, note)
 
 
 def _steady_table(level: Mapping[Key, Steady], choices: Choices) -> Table:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
 import numpy as np
@@ -73,9 +73,8 @@ def _start(scale: float) -> Start:
     return Start(omega_EN_E=tuple((true + scale * (estimate - true)).tolist()))
 
 
-def _convergence(pair: Runs, choices: Choices) -> list[Claim]:
+def _convergence(pair: Runs, choices: Choices) -> Iterator[Claim]:
     part = choices.settled
-    claims = []
     for error, limit in LIMITS.items():
         for control, run in having(pair, error).items():
             settled, peak, left = run.settled(error, part), run.peak(error), run.after(limit).start(error)
@@ -85,45 +84,40 @@ def _convergence(pair: Runs, choices: Choices) -> list[Claim]:
                 f"at {limit:g} s it is {left:.2g}, {left / peak:.2g} of the peak"
             )
             cell, printed = f"{error} converges [s]", f"within {limit:g} s"
-            claims.append(Claim(WHERE, cell, control, printed, settled, settled <= limit, note))
-    return claims
+            yield Claim(WHERE, cell, control, printed, settled, settled <= limit, note)
 
 
-def _steady_state(pair: Runs, choices: Choices) -> list[Claim]:
+def _steady_state(pair: Runs, choices: Choices) -> Iterator[Claim]:
     observer, full = pair[OBSERVER], pair[FULL_STATE]
-    claims = []
     for what in (ATTITUDE, RATE, TORQUE):
         difference = norm(observer[what] - full[what])[full.time >= TRACKED_BY] / full.peak(what)
         cell = f"steady state of the {what}: largest difference from {TRACKED_BY:g} s on / peak"
         note = f"{difference[-1]:.1g} at {full.time[-1]:g} s; judged at {choices.settled:g}"
         largest = float(difference.max())
         holds = largest <= choices.settled
-        claims.append(Claim(WHERE, cell, "observer against full state", "identical", largest, holds, note))
-    return claims
+        yield Claim(WHERE, cell, "observer against full state", "identical", largest, holds, note)
 
 
-def _transient(pair: Runs, choices: Choices) -> list[Claim]:
+def _transient(pair: Runs, choices: Choices) -> Iterator[Claim]:
     observer, full = pair[OBSERVER], pair[FULL_STATE]
-    claims = []
     for what in TRACKING:
         ours, theirs = observer.area(what), full.area(what)
         cell = f"transient of the {what}: ratio of the integrals of its norm"
         printed, note = "full state slightly faster (> 1)", f"{ours:.4g} and {theirs:.4g}"
-        claims.append(Claim(WHERE, cell, BOTH, printed, ours / theirs, ours / theirs > 1, note))
+        yield Claim(WHERE, cell, BOTH, printed, ours / theirs, ours / theirs > 1, note)
         ours, theirs = (run.settled(what, choices.settled) for run in (observer, full))
         cell = f"transient of the {what}: difference of the times of convergence [s]"
         note = f"{ours:.4g} s and {theirs:.4g} s; which is first depends on the level, see the settling times"
         printed = "full state slightly faster (> 0)"
-        claims.append(Claim(WHERE, cell, "observer - full state", printed, ours - theirs, ours > theirs, note))
+        yield Claim(WHERE, cell, "observer - full state", printed, ours - theirs, ours > theirs, note)
     for what in (RATE, ATTITUDE):
         ratio = observer.oscillation(what) / full.oscillation(what)
         cell = f"oscillation of the {what} (total variation)"
         note = f"ratio of the peaks {observer.peak(what) / full.peak(what):.3g}"
-        claims.append(Claim(WHERE, cell, BOTH, "larger (> 1)", ratio, ratio > 1, note))
-    return claims
+        yield Claim(WHERE, cell, BOTH, "larger (> 1)", ratio, ratio > 1, note)
 
 
-def _effort(pair: Runs) -> list[Claim]:
+def _effort(pair: Runs) -> Iterator[Claim]:
     observer, full = (pair[control].until(TRACKED_BY) for control in (OBSERVER, FULL_STATE))
     share = full.area(FEEDBACK) / full.area(TORQUE)
     notes = {
@@ -131,16 +125,14 @@ def _effort(pair: Runs) -> list[Claim]:
         f"turns the craft with the reference, the feedback torque is {share:.0%} of it",
         FEEDBACK: "-k_p q_v - k_v omega_e alone",
     }
-    claims = []
     for what, note in notes.items():
         ours, theirs = observer.area(what), full.area(what)
         cell = f"control effort over {TRACKED_BY:g} s: ratio of the integrals of the {what}"
         note = f"{ours:.4g} and {theirs:.4g} N.m.s; {note}"
-        claims.append(Claim(WHERE, cell, BOTH, "slightly higher (> 1)", ours / theirs, ours > theirs, note))
-    return claims
+        yield Claim(WHERE, cell, BOTH, "slightly higher (> 1)", ours / theirs, ours > theirs, note)
 
 
-def _larger_errors(scaled: Scaled) -> list[Claim]:
+def _larger_errors(scaled: Scaled) -> Iterator[Claim]:
     settings = "initial rate estimation error x " + ", ".join(f"{scale:g}" for scale in scaled)
     transients = [run.until(TRACKED_BY) for run in scaled.values()]
     measures = {
@@ -148,13 +140,11 @@ def _larger_errors(scaled: Scaled) -> list[Claim]:
         "control effort over 60 s: integral of the control torque [N.m.s]": ("increased", Trajectory.area, TORQUE),
         "control effort over 60 s: integral of the feedback torque [N.m.s]": ("increased", Trajectory.area, FEEDBACK),
     }
-    claims = []
     for cell, (printed, measure, what) in measures.items():
         values = [measure(run, what) for run in transients]
         grows, ours = all(a < b for a, b in pairwise(values)), ", ".join(f"{v:.4g}" for v in values)
         note = "the feedforward outweighs the feedback terms, see the row below" if what is TORQUE and not grows else ""
-        claims.append(Claim(WHERE, cell, settings, printed, ours, grows, note))
-    return claims
+        yield Claim(WHERE, cell, settings, printed, ours, grows, note)
 
 
 def _reference_sign(choices: Choices) -> Claim:

@@ -5,17 +5,35 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from math import inf
-from typing import Any
+from typing import Any, NamedTuple
 
 from fmus.errors import AdcsError
 
-Condition = Callable[[Any, Any], bool]
-"""Called with the value and with all choices."""
+
+class Must(NamedTuple):
+    """What is asked of a value: `holds` is called with it and with all choices; in `words` these stand in braces."""
+
+    holds: Callable[[Any, Any], bool]
+    words: str
 
 
-def choice(default: Any, meaning: str, holds: Condition | None = None, expected: str = "") -> Any:
-    """A field of `Checked`; `expected` says in words what `holds` asks for, with other choices in braces."""
-    return field(default=default, metadata={"help": meaning, "holds": holds, "expected": expected})
+ANYTHING = Must(lambda value, choices: True, "")
+PART = Must(lambda value, _: 0 < value < 1, "a part between 0 and 1")
+
+
+def positive(what: str) -> Must:
+    """Above 0, and finite."""
+    return Must(lambda value, _: 0 < value < inf, f"a positive {what}")
+
+
+def at_least(least: int) -> Must:
+    """That many or more, and finite."""
+    return Must(lambda value, _: least <= value < inf, f"{least} or more")
+
+
+def choice(default: Any, meaning: str, must: Must = ANYTHING) -> Any:
+    """A field of `Checked`."""
+    return field(default=default, metadata={"help": meaning, "must": must})
 
 
 @dataclass(frozen=True)
@@ -24,23 +42,7 @@ class Checked:
 
     def __post_init__(self) -> None:
         for f in fields(self):
-            value, holds = getattr(self, f.name), f.metadata["holds"]
-            if holds and not holds(value, self):
-                expected = f.metadata["expected"].format(**vars(self))
+            value, must = getattr(self, f.name), f.metadata["must"]
+            if not must.holds(value, self):
                 given = f"{value:g}" if isinstance(value, (int, float)) else repr(value)
-                raise AdcsError(f"choice {f.name} = {given}: expected {expected}")
-
-
-def positive(value: float, _: Any) -> bool:
-    """Above 0, and finite."""
-    return 0 < value < inf
-
-
-def part(value: float, _: Any) -> bool:
-    """Between 0 and 1."""
-    return 0 < value < 1
-
-
-def at_least(least: float) -> Condition:
-    """That much or more."""
-    return lambda value, _: value >= least
+                raise AdcsError(f"choice {f.name} = {given}: expected {must.words.format(**vars(self))}")

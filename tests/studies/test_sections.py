@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from adcs import AdcsError, System
-from adcs.library.choices import Checked, at_least, choice, part, positive
+from adcs.library.choices import PART, Checked, Must, at_least, choice, positive
 from adcs.library.outcome import Claim, Outcome
 from adcs.library.sections import Section, Simulation, conduct
 from orchestration.results.result import RunFailed
@@ -95,10 +95,10 @@ def test_a_run_that_fails_ends_the_study_unless_it_may() -> None:
 def test_choices_are_refused_in_one_line_with_what_was_expected() -> None:
     @dataclass(frozen=True)
     class Choices(Checked):
-        start: float = choice(1.0, "begins", positive, "a positive time")
-        end: float = choice(2.0, "ends", lambda end, c: end > c.start, "later than start, {start:g} s")
-        share: float = choice(0.5, "how much", part, "a part between 0 and 1")
-        count: int = choice(1, "how many", at_least(1), "1 or more")
+        start: float = choice(1.0, "begins", positive("time"))
+        end: float = choice(2.0, "ends", Must(lambda end, c: end > c.start, "later than start, {start:g} s"))
+        share: float = choice(0.5, "how much", PART)
+        count: int = choice(1, "how many", at_least(1))
         name: str = choice("a", "anything")
 
     assert Choices().end == 2.0

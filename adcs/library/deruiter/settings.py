@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from adcs.library.choices import Checked, at_least, choice, positive
+from adcs.library.choices import Checked, Must, at_least, choice, positive
 from adcs.library.deruiter.design import EstimationBounds, Guarantee, Law, Task
 
 REFERENCE = "de Ruiter, Observer-Based Adaptive Spacecraft Attitude Control with Guaranteed Performance Bounds"
@@ -41,53 +41,41 @@ REFERENCE_ACCELERATION = sqrt(
 )
 
 
+AFTER_STEADY = Must(lambda stop, c: c.steady_from < stop < inf, "later than steady_from, {steady_from:g} s")
+ABOVE_LIMIT = Must(
+    lambda margin, _: 1 < margin < inf, "a factor above 1: the dead zone must exceed its limit, Eq. (47)"
+)
+
+
 @dataclass(frozen=True)
 class Choices(Checked):
     """All numbers of the study that can be set; they are printed in the report."""
 
     k: float = choice(0.3, "gain of the filtered rate error [1/s]")
     lam: float = choice(0.05, "lambda, gain of the attitude in it [1/s]")
-    gamma: float = choice(20.0, "adaptation gain of theta [s2]", positive, "a positive gain")
-    gamma_p: float = choice(0.02, "adaptation gain of theta_p [s2/(kg2.m4)]", positive, "a positive gain")
+    gamma: float = choice(20.0, "adaptation gain of theta [s2]", positive("gain"))
+    gamma_p: float = choice(0.02, "adaptation gain of theta_p [s2/(kg2.m4)]", positive("gain"))
     eta: float = choice(0.35, "theta is known to lie within this of theta*")
     eta_p: float = choice(0.015, "theta_p is known to lie within this of theta_p* [1/(kg.m2)]")
     epsilon: float = choice(0.1, "room of both projections beyond eta, eta_p")
     attitude_error: float = choice(1e-3, "v_q, bound on the error of the attitude estimate")
     rate_error: float = choice(1e-4, "v_omega, bound on the error of the rate estimate [rad/s]")
-    error_speed: float = choice(
-        1.0, "factor on the frequencies of the estimation errors", positive, "a positive factor"
-    )
+    error_speed: float = choice(1.0, "factor on the frequencies of the estimation errors", positive("factor"))
     disturbance: float = choice(
         1e-3,
         "bound on the disturbance torque [N.m]",
-        positive,
-        "a positive torque: with none and exact states all bounds are 0",
+        positive("torque: with none and exact states all bounds are 0"),
     )
     observer_rate_error: float = choice(8e-4, "bound taken for the observer's rate error, read off a first run [rad/s]")
     observer_rate_error_rate: float = choice(5e-5, "bound taken for the time derivative of that, likewise [rad/s2]")
-    margin: float = choice(
-        1.05,
-        "dead zone over its lower limit, Eq. (47)",
-        lambda margin, _: 1 < margin < inf,
-        "a factor above 1: the dead zone must exceed its limit, Eq. (47)",
-    )
-    seed: int = choice(1, "seed of the phases of the estimation errors; others count up", at_least(0), "0 or more")
-    seeds: int = choice(3, "number of runs with different phases of the estimation errors", at_least(1), "1 or more")
+    margin: float = choice(1.05, "dead zone over its lower limit, Eq. (47)", ABOVE_LIMIT)
+    seed: int = choice(1, "seed of the phases of the estimation errors; others count up", at_least(0))
+    seeds: int = choice(3, "number of runs with different phases of the estimation errors", at_least(1))
     fast: float = choice(
-        1000.0,
-        "factor on both adaptation gains of the run that brings the projection to act",
-        positive,
-        "a positive factor",
+        1000.0, "factor on both adaptation gains of the run that brings the projection to act", positive("factor")
     )
-    stop_time: float = choice(
-        1500.0,
-        "end of every run [s]",
-        lambda stop, c: c.steady_from < stop < inf,
-        "later than steady_from, {steady_from:g} s",
-    )
-    steady_from: float = choice(
-        900.0, "limits superior are taken from here to the end [s]", positive, "a positive time"
-    )
+    stop_time: float = choice(1500.0, "end of every run [s]", AFTER_STEADY)
+    steady_from: float = choice(900.0, "limits superior are taken from here to the end [s]", positive("time"))
 
     @property
     def law(self) -> Law:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adcs.library.attitude import relative_quaternion, rotate
-from adcs.library.choices import Checked, choice, part, positive
+from adcs.library.choices import PART, Checked, choice, positive
 from fmus.errors import AdcsError
 
 REFERENCE = "Pan, Wong, Kapila, Output feedback control for spacecraft with coupled translation and attitude dynamics"
@@ -103,11 +103,7 @@ class Scaling:
 class Choices(Checked):
     """All of the scenario that may be changed. All of it is printed in the report."""
 
-    stop_time: float = choice(600.0, "end of every run [s]", positive, "a positive time")
-    settled: float = choice(
-        0.01, "an error has converged once below this part of its start", part, "a part between 0 and 1"
-    )
-    max_force: float = choice(2.0, "limit of each force axis in the saturated run [N]", positive, "a positive force")
-    max_torque: float = choice(
-        0.03, "limit of each torque axis in the saturated run [N.m]", positive, "a positive torque"
-    )
+    stop_time: float = choice(600.0, "end of every run [s]", positive("time"))
+    settled: float = choice(0.01, "an error has converged once below this part of its start", PART)
+    max_force: float = choice(2.0, "limit of each force axis in the saturated run [N]", positive("force"))
+    max_torque: float = choice(0.03, "limit of each torque axis in the saturated run [N.m]", positive("torque"))

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from adcs.library.choices import Checked, choice, part
+from adcs.library.choices import PART, Checked, Must, choice
 
 REFERENCE = "Thesis on robust and adaptive nonlinear attitude control of a spacecraft, chapters 8 and 9"
 
@@ -155,25 +155,18 @@ def mirror_moments(size: tuple[float, float, float]) -> tuple[float, float, floa
     return m * (height**2 + width**2), m * (length**2 + height**2), m * (length**2 + width**2)
 
 
+SMALL = PART._replace(words="a relative error between 0 and 1")
+COMPLETE = Must(lambda stop, _: 505 < stop < inf, "more than 505 s, where the last interval of the tables begins")
+YES_OR_NO = Must(lambda value, _: value in (0, 1), "0 or 1")
+
+
 @dataclass(frozen=True)
 class Choices(Checked):
     """How the study judges, and how much of it runs. All of it is printed in the report."""
 
-    agreement: float = choice(
-        0.001,
-        "a cell is reproduced within this relative error, or half its last digit",
-        part,
-        "a relative error between 0 and 1",
-    )
-    stop_time: float = choice(
-        STOP_TIME,
-        "end of every run [s]; the tables need 1100",
-        lambda stop, _: 505 < stop < inf,
-        "more than 505 s, where the last interval of the tables begins",
-    )
-    other_rates: int = choice(
-        1, "0: only the runs at 10 Hz, 1: those at 5, 20 and 50 Hz too", lambda rates, _: rates in (0, 1), "0 or 1"
-    )
+    agreement: float = choice(0.001, "a cell is reproduced within this relative error, or half its last digit", SMALL)
+    stop_time: float = choice(STOP_TIME, "end of every run [s]; the tables need 1100", COMPLETE)
+    other_rates: int = choice(1, "0: only the runs at 10 Hz, 1: those at 5, 20 and 50 Hz too", YES_OR_NO)
 
 
 Start = dict[str, Any]

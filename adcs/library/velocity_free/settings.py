@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, radians, sqrt
+from math import radians, sqrt
 from typing import Any
 
-from adcs.library.choices import Checked, at_least, choice, positive
+from adcs.library.choices import Checked, Must, at_least, choice, positive
 
 REFERENCE = (
     "Velocity-free passivity-based attitude tracking with measurement errors, disturbances and inertia mismatch, Sec. V"
@@ -62,30 +62,21 @@ class Uncertainty:
         return {"max_rate": 2 * RATE_BOUND, **kept}
 
 
+WITHIN_RUN = Must(lambda start, c: 0 <= start < c.stop_time, "earlier than stop_time")
+SHORT = Must(lambda step, _: 0 < step <= 0.05, "a positive time up to 0.05 s")
+FEASIBLE = Must(lambda points, _: 5 <= points <= 201, "5 to 201")
+
+
 @dataclass(frozen=True)
 class Choices(Checked):
     """What the text does not say, or what is lost in print. All of it is printed in the report."""
 
-    seeds: int = choice(10, "number of runs with uncertainties, in each of the two problems", at_least(1), "1 or more")
-    seed: int = choice(1, "seed of the first of them; the others count up from it", at_least(0), "0 or more")
-    hold_time: float = choice(0.1, "the random rate of the measurement error is held [s]", positive, "a positive time")
-    mass: float = choice(1.0, "mass of the spacecraft, missing in (92) [kg]", positive, "a positive mass")
-    stop_time: float = choice(200.0, "end of every run [s]", positive, "a positive time")
-    steady_from: float = choice(
-        100.0,
-        "the residual set is looked at from here on [s]",
-        lambda start, c: 0 <= start < c.stop_time,
-        "earlier than stop_time",
-    )
-    step: float = choice(
-        0.002,
-        "exchange step of the runs with uncertainties [s]",
-        lambda step, _: 0 < step <= 0.05,
-        "a positive time up to 0.05 s",
-    )
-    start_rate: float = choice(
-        START_RATE, "|dw(0)| of the gain regions [rad/s]", lambda rate, _: 0 <= rate < inf, "0 or more"
-    )
-    grid: int = choice(
-        41, "points per axis on which the gain regions are looked for", lambda n, _: 5 <= n <= 201, "5 to 201"
-    )
+    seeds: int = choice(10, "number of runs with uncertainties, in each of the two problems", at_least(1))
+    seed: int = choice(1, "seed of the first of them; the others count up from it", at_least(0))
+    hold_time: float = choice(0.1, "the random rate of the measurement error is held [s]", positive("time"))
+    mass: float = choice(1.0, "mass of the spacecraft, missing in (92) [kg]", positive("mass"))
+    stop_time: float = choice(200.0, "end of every run [s]", positive("time"))
+    steady_from: float = choice(100.0, "the residual set is looked at from here on [s]", WITHIN_RUN)
+    step: float = choice(0.002, "exchange step of the runs with uncertainties [s]", SHORT)
+    start_rate: float = choice(START_RATE, "|dw(0)| of the gain regions [rad/s]", at_least(0))
+    grid: int = choice(41, "points per axis on which the gain regions are looked for", FEASIBLE)

@@ -118,28 +118,28 @@ def _panels(runs: Runs, guarantee: Guarantee, group: str, choices: Choices) -> l
 
 
 def _claims(case: Case, run: Trajectory, choices: Choices) -> Iterator[Claim]:
-    tail = run.after(choices.steady_from)
+    tail, guarantee = run.after(choices.steady_from), case.guarantee
     broken = [f"{premise[1]} beyond its bound" for premise in _premises(case, run, choices) if not premise[4]]
     settings = f"{case.group.lower()}, {case.label}" if case.group != EXACT else "exact states, disturbance"
-    for error, limit in ((ATTITUDE, case.guarantee.q_limit), (RATE, case.guarantee.rate_limit)):
-        peak, cell = tail.peak(error), f"limit superior of the {error}{error.in_unit}"
-        note = f"{peak / limit:.0%} of the bound; largest norm from {choices.steady_from:g} s "
-        note = "; ".join([f"{note}to {choices.stop_time:g} s", *broken])
-        holds = peak <= limit and not broken
-        yield Claim("Theorem 1", cell, settings, f"at most {limit:.4g}", peak, holds, note)
+    judged = f"largest norm from {choices.steady_from:g} s to {choices.stop_time:g} s"
+    for error, limit in ((ATTITUDE, guarantee.q_limit), (RATE, guarantee.rate_limit)):
+        peak = tail.peak(error)
+        yield Claim("Theorem 1", f"limit superior of the {error}{error.in_unit}", settings,
+                    f"at most {limit:.4g}", peak, peak <= limit and not broken,
+                    "; ".join([f"{peak / limit:.0%} of the bound", judged, *broken]))  # fmt: skip
     edge, farthest = float(np.sqrt(1 + choices.epsilon)), max(run.peak(distance) for distance in DISTANCES)
-    cell, printed = "estimates stay in G and G_p", f"at most {edge:.5g} times η, η_p"
-    note = "over the whole run; the projection never acts" if farthest <= 1 else "the projection acts"
-    yield Claim("Projection, 2)", cell, settings, printed, farthest, farthest <= edge, note)
+    yield Claim("Projection, 2)", "estimates stay in G and G_p", settings,
+                f"at most {edge:.5g} times η, η_p", farthest, farthest <= edge,
+                "over the whole run; the projection never acts" if farthest <= 1 else "the projection acts",
+    )  # fmt: skip
 
 
 def _sequence(group: str, guarantee: Guarantee) -> Claim:
     q, _ = guarantee.sequence(STEPS)
     falling, converged = (np.diff(q) <= 0).all(), abs(q[-1] - guarantee.q_limit) <= 1e-12 * guarantee.q_limit
-    cell = "q_1, q_2, ... of Algorithm 1 decrease and converge"
-    ours = f"{q[0]:.6g}, {q[1]:.6g}, limit {guarantee.q_limit:.6g}"
-    note = "the limit in closed form: r̄ = (Ω + v_ω + (2 w_d + λ) v_q) / √(1 - v_q²), q̄ = r̄ / λ"
-    return Claim("Proposition 1", cell, group.lower(), "yes", ours, bool(falling and converged), note)
+    return Claim("Proposition 1", "q_1, q_2, ... of Algorithm 1 decrease and converge", group.lower(),
+                 "yes", f"{q[0]:.6g}, {q[1]:.6g}, limit {guarantee.q_limit:.6g}", bool(falling and converged),
+                 "the limit in closed form: r̄ = (Ω + v_ω + (2 w_d + λ) v_q) / √(1 - v_q²), q̄ = r̄ / λ")  # fmt: skip
 
 
 def _premises(case: Case, run: Trajectory, choices: Choices) -> list[list[object]]:

@@ -68,15 +68,16 @@ def _peaks(run: Trajectory) -> tuple[list[float], str, str]:
 
 def _slow_modes(name: str, run: Trajectory) -> Claim:
     peaks, ours, note = _peaks(run)
-    cell, note = "over-parametrisation may lead to slow modes", f"{note}; slow: the last is above half of the first"
-    return Claim("Remark 3", cell, name, "slow", ours, peaks[-1] > peaks[0] / 2, note)
+    return Claim("Remark 3", "over-parametrisation may lead to slow modes", name,
+                 "slow", ours, peaks[-1] > peaks[0] / 2,
+                 f"{note}; slow: the last is above half of the first")  # fmt: skip
 
 
 def _convergence(name: str, run: Trajectory) -> Claim:
     peaks, ours, note = _peaks(run)
-    cell, falling = "tracking errors converge without disturbance", all(b < a for a, b in pairwise(peaks))
-    note += "; judged by their falling throughout, as over shorter ones they do not"
-    return Claim("Sec. III", cell, name, "to zero", ours, falling, note)
+    return Claim("Sec. III", "tracking errors converge without disturbance", name,
+                 "to zero", ours, all(b < a for a, b in pairwise(peaks)),
+                 f"{note}; judged by their falling throughout, as over shorter ones they do not")  # fmt: skip
 
 
 def _edge(name: str, run: Trajectory, choices: Choices) -> Claim:
@@ -84,15 +85,12 @@ def _edge(name: str, run: Trajectory, choices: Choices) -> Claim:
     edge = float(np.sqrt(1 + choices.epsilon))
     farthest = {distance.symbol: run.peak(distance) for distance in DISTANCES}
     acting = [symbol for symbol, value in farthest.items() if value > 1]
-    return Claim(
-        "Projection, 2)",
-        "estimates stay in G and G_p",
-        name,
-        f"at most √(1+ε) = {edge:.5g} times η, η_p",
-        ", ".join(f"{symbol}: {value:.5g}" for symbol, value in farthest.items()),
-        max(farthest.values()) <= edge * (1 + ROUNDING),
-        f"the projection acts on {' and '.join(acting)}" if acting else "the projection never acts",
-    )
+    return Claim("Projection, 2)", "estimates stay in G and G_p", name,
+                 f"at most √(1+ε) = {edge:.5g} times η, η_p",
+                 ", ".join(f"{symbol}: {value:.5g}" for symbol, value in farthest.items()),
+                 max(farthest.values()) <= edge * (1 + ROUNDING),
+                 f"the projection acts on {' and '.join(acting)}" if acting else "the projection never acts",
+    )  # fmt: skip
 
 
 def _balance(run: Trajectory, choices: Choices) -> tuple[Array, Array]:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import degrees
-from typing import NamedTuple
 
 from adcs.library.outcome import Claim
 from adcs.library.trigo.metrics import Metrics
@@ -22,31 +21,16 @@ from adcs.library.trigo.settings import (
     Scenario,
 )
 
-Runs = Mapping[Run, Metrics]
-Judge = Callable[[Runs], tuple[str, bool]]
+Five = Mapping[Controller, Metrics]
+"""The measures of the five controllers in a scenario."""
+Judge = Callable[[Five], tuple[str, bool]]
 """What we find, and whether the statement holds by that."""
 
 SECTION = "Secs. 9.3, 9.4"
-ALL: tuple[Controller, ...] = tuple(CONTROLLERS)
 
 
-class Statement(NamedTuple):
-    """A statement of the text."""
-
-    scenario: Scenario
-    what: str
-    printed: str
-    judge: Judge
-
-
-def _each(values: Mapping[Controller, float], form: str) -> str:
-    return ", ".join(f"{CONTROLLERS[c]} {value:{form}}" for c, value in values.items())
-
-
-def _of(
-    runs: Runs, controllers: Sequence[Controller], scenario: Scenario, value: Callable[[Metrics], float]
-) -> dict[Controller, float]:
-    return {c: value(runs[Run(c, scenario)]) for c in controllers}
+def _each(values: Mapping[Controller, float], form: str = ".3g", unit: str = "") -> str:
+    return ", ".join(f"{CONTROLLERS[c]} {value:{form}}{unit}" for c, value in values.items())
 
 
 def _pointing(metrics: Metrics) -> float:
@@ -57,107 +41,90 @@ def _rate(metrics: Metrics) -> float:
     return max(omega for _, omega in metrics.worst.values())
 
 
-LIMITS: dict[Callable[[Metrics], float], float] = {_pointing: ATTITUDE_REQUIREMENT, _rate: RATE_REQUIREMENT}
-
-
-def _within(scenario: Scenario, worst: Callable[[Metrics], float], inside: Sequence[Controller]) -> Judge:
+def _within(worst: Callable[[Metrics], float], limit: float, *inside: Controller) -> Judge:
     """That these keep the requirement after the peaks, and the others do not."""
 
-    def judge(runs: Runs) -> tuple[str, bool]:
-        outside = [c for c in ALL if c not in inside]
-        values = _of(runs, (*inside, *outside), scenario, worst)
-        holds = all((value <= LIMITS[worst]) == (c in inside) for c, value in values.items())
-        return _each(values, ".3g"), holds
+    def judge(five: Five) -> tuple[str, bool]:
+        values = {c: worst(five[c]) for c in (*inside, *(c for c in CONTROLLERS if c not in inside))}
+        return _each(values), all((value <= limit) == (c in inside) for c, value in values.items())
 
     return judge
 
 
-def _ordered(scenario: Scenario, best_first: Sequence[Controller], value: Callable[[Metrics], float]) -> Judge:
-    def judge(runs: Runs) -> tuple[str, bool]:
-        values = _of(runs, best_first, scenario, value)
-        return _each(values, ".3g"), list(values.values()) == sorted(values.values())
+def _ordered(value: Callable[[Metrics], float], *best_first: Controller) -> Judge:
+    def judge(five: Five) -> tuple[str, bool]:
+        values = {c: value(five[c]) for c in best_first}
+        return _each(values), list(values.values()) == sorted(values.values())
 
     return judge
-
-
-def _scanning(metrics: Metrics) -> float:
-    return metrics.pointing["scanning"]
-
-
-def _steady(metrics: Metrics) -> float:
-    return metrics.pointing["steady"]
 
 
 def _relative(metrics: Metrics) -> float:
     return metrics.estimation / metrics.disturbance
 
 
-def _degrees(runs: Runs) -> tuple[str, bool]:
-    worst = _of(runs, STATIC, "wheel", lambda m: _pointing(m) / 3600)
-    return ", ".join(f"{CONTROLLERS[c]} {w:.2f} deg" for c, w in worst.items()), all(
-        0.3 < w < 2 for w in worst.values()
-    )
+def _degrees(five: Five) -> tuple[str, bool]:
+    worst = {c: _pointing(five[c]) / 3600 for c in STATIC}
+    return _each(worst, ".2f", " deg"), all(0.3 < w < 2 for w in worst.values())
 
 
-def _damage(runs: Runs) -> tuple[str, bool]:
-    ratio = {c: _scanning(runs[Run(c, "mirror")]) / _scanning(runs[Run(c, "nominal")]) for c in STATIC}
-    return ", ".join(f"{CONTROLLERS[c]} {r:.3g} times" for c, r in ratio.items()), all(r > 1.5 for r in ratio.values())
-
-
-def _less_work(runs: Runs) -> tuple[str, bool]:
-    work = _of(runs, ALL, "wheel", lambda m: 1e3 * m.workload)
+def _less_work(five: Five) -> tuple[str, bool]:
+    work = {c: 1e3 * five[c].workload for c in CONTROLLERS}
     return _each(work, ".4g"), max(work[c] for c in ADAPTIVE) < min(work[c] for c in STATIC)
 
 
+THETA, OMEGA = (_pointing, ATTITUDE_REQUIREMENT), (_rate, RATE_REQUIREMENT)
 POINTING, RATE = "worst pointing error [arcsec]", "worst rate error [arcsec/s]"
-ESTIMATION = "relative estimation error, from small to large"
-STATEMENTS = (
-    Statement("nominal", "scanning error RMS [arcsec], from small to large", "BS least, TF most",
-              _ordered("nominal", ("bs", "rbs", "tf"), _scanning)),
-    Statement("nominal", POINTING, "all within 30", _within("nominal", _pointing, ALL)),
-    Statement("nominal", RATE, "all within 1", _within("nominal", _rate, ALL)),
-    Statement("mismatch", POINTING, "only the adaptive laws within 30", _within("mismatch", _pointing, ADAPTIVE)),
-    Statement("mismatch", RATE, "only the adaptive laws within 1", _within("mismatch", _rate, ADAPTIVE)),
-    Statement("mismatch", ESTIMATION, "NESO and I&I much better than TF",
-              _ordered("mismatch", ("ii", "neso", "tf"), _relative)),
-    Statement("wheel", "worst pointing error of the static laws", "about a degree", _degrees),
-    Statement("wheel", POINTING, "only the adaptive laws within 30", _within("wheel", _pointing, ADAPTIVE)),
-    Statement("wheel", RATE, "only I&I within 1", _within("wheel", _rate, ("ii",))),
-    Statement("wheel", ESTIMATION, "I&I best, then NESO, then TF", _ordered("wheel", ("ii", "neso", "tf"), _relative)),
-    Statement("wheel", "workload [mJ]", "slightly less with the adaptive laws", _less_work),
-    Statement("mirror", "scanning error RMS over that of the nominal case", "static laws much worse", _damage),
-    Statement("mirror", POINTING, "only the adaptive laws within 30", _within("mirror", _pointing, ADAPTIVE)),
-    Statement("mirror", RATE, "only I&I within 1", _within("mirror", _rate, ("ii",))),
-    Statement("mirror", ESTIMATION, "I&I by far best, then NESO, then TF",
-              _ordered("mirror", ("ii", "neso", "tf"), _relative)),
-    Statement("mirror", "steady error RMS [arcsec], from small to large", "of the adaptive laws NESO most",
-              _ordered("mirror", ("ii", "tf", "neso"), _steady)),
+ESTIMATION, DAMAGE = (
+    "relative estimation error, from small to large",
+    "scanning error RMS over that of the nominal case",
+)
+STATEMENTS: tuple[tuple[Scenario, str, str, Judge | None], ...] = (
+    ("nominal", "scanning error RMS [arcsec], from small to large", "BS least, TF most",
+     _ordered(lambda m: m.pointing["scanning"], "bs", "rbs", "tf")),
+    ("nominal", POINTING, "all within 30", _within(*THETA, *CONTROLLERS)),
+    ("nominal", RATE, "all within 1", _within(*OMEGA, *CONTROLLERS)),
+    ("mismatch", POINTING, "only the adaptive laws within 30", _within(*THETA, *ADAPTIVE)),
+    ("mismatch", RATE, "only the adaptive laws within 1", _within(*OMEGA, *ADAPTIVE)),
+    ("mismatch", ESTIMATION, "NESO and I&I much better than TF", _ordered(_relative, "ii", "neso", "tf")),
+    ("wheel", "worst pointing error of the static laws", "about a degree", _degrees),
+    ("wheel", POINTING, "only the adaptive laws within 30", _within(*THETA, *ADAPTIVE)),
+    ("wheel", RATE, "only I&I within 1", _within(*OMEGA, "ii")),
+    ("wheel", ESTIMATION, "I&I best, then NESO, then TF", _ordered(_relative, "ii", "neso", "tf")),
+    ("wheel", "workload [mJ]", "slightly less with the adaptive laws", _less_work),
+    ("mirror", "scanning error RMS over that of the nominal case", "static laws much worse", None),
+    ("mirror", POINTING, "only the adaptive laws within 30", _within(*THETA, *ADAPTIVE)),
+    ("mirror", RATE, "only I&I within 1", _within(*OMEGA, "ii")),
+    ("mirror", ESTIMATION, "I&I by far best, then NESO, then TF", _ordered(_relative, "ii", "neso", "tf")),
+    ("mirror", "steady error RMS [arcsec], from small to large", "of the adaptive laws NESO most",
+     _ordered(lambda m: m.pointing["steady"], "ii", "tf", "neso")),
 )  # fmt: skip
+"""Scenario, what is stated of it, what is printed, and how it is judged; None: against the nominal scenario."""
 
 
-def judged(runs: Runs, reading: Reading) -> list[Claim]:
+def judged(runs: Mapping[Run, Metrics], reading: Reading) -> Iterator[Claim]:
     """A claim per statement, on the runs of one reading."""
-    claims = []
     for scenario, what, printed, judge in STATEMENTS:
-        (ours, holds), name = judge(runs), reading.name
-        note = "from 20 s after the beginning of each stretch" if "worst" in what else ""
-        claims.append(Claim(SECTION, f"{scenario}: {what}", name, printed, ours, holds, note, reading=name))
-    return [*claims, _limits(runs, reading)]
+        five = {c: runs[Run(c, scenario)] for c in CONTROLLERS}
+        ours, holds = judge(five) if judge else _damage(five, {c: runs[Run(c, "nominal")] for c in STATIC})
+        yield Claim(SECTION, f"{scenario}: {what}", reading.name,
+                    printed, ours, holds,
+                    "from 20 s after the beginning of each stretch" if "worst" in what else "",
+                    reading=reading.name)  # fmt: skip
+    yield _limits([metrics for run, metrics in runs.items() if run.rate == CONTROL_RATE], reading)
 
 
-def _limits(runs: Runs, reading: Reading) -> Claim:
-    those = [m for run, m in runs.items() if run.rate == CONTROL_RATE]
+def _damage(five: Five, nominal: Five) -> tuple[str, bool]:
+    ratio = {c: five[c].pointing["scanning"] / nominal[c].pointing["scanning"] for c in STATIC}
+    return _each(ratio, ".3g", " times"), all(r > 1.5 for r in ratio.values())
+
+
+def _limits(those: Sequence[Metrics], reading: Reading) -> Claim:
     limit = reading.acceleration_limit
-    reached = sum(m.command_rate >= limit * (1 - 1e-9) for m in those)
-    torque = max(m.torque for m in those)
-    ours = (
-        f"rate of x_2,c at its limit of {degrees(limit):.2f} deg/s² in {reached} of {len(those)} runs; "
-        f"torque at most {torque:.4f} of {TORQUE_LIMIT:.4f} N·m"
-    )
-    cell, printed, note = (
-        "limits of the command filters",
-        "not reached in any run",
-        "at the start, where x_2,c comes from 0",
-    )
-    holds = reached == 0 and torque < TORQUE_LIMIT
-    return Claim(SECTION, cell, reading.name, printed, ours, holds, note, reading=reading.name)
+    reached, torque = sum(m.command_rate >= limit * (1 - 1e-9) for m in those), max(m.torque for m in those)
+    return Claim(SECTION, "limits of the command filters", reading.name,
+                 "not reached in any run",
+                 f"rate of x_2,c at its limit of {degrees(limit):.2f} deg/s² in {reached} of {len(those)} runs; "
+                 f"torque at most {torque:.4f} of {TORQUE_LIMIT:.4f} N·m",
+                 reached == 0 and torque < TORQUE_LIMIT,
+                 "at the start, where x_2,c comes from 0", reading=reading.name)  # fmt: skip

@@ -167,10 +167,3 @@ def key_numbers(result: Result) -> list[KeyNumber]:
         numbers.append(KeyNumber("Estimation error, RMS", 1e6 * metrics.estimation, "µN·m", "from 505 s on"))
     numbers.append(KeyNumber("Workload", 1e3 * metrics.workload, "mJ", "of the control torque"))
     return numbers
-
-
-def worst_requirement(theta: float, omega: float) -> str:
-    """`met` or what is not."""
-    limits = (("pointing", theta, ATTITUDE_REQUIREMENT), ("rate", omega, RATE_REQUIREMENT))
-    missed = [text for text, value, limit in limits if value > limit]
-    return " and ".join(missed) + " missed" if missed else "met"

@@ -68,20 +68,19 @@ def _feasible(choices: Choices) -> Outcome:
 
 
 def _gains_lie_inside(case: str, figure: str, margin: float) -> Claim:
-    cell, settings = "gains of the simulations lie in the region", f"{case}, {POINT}"
-    note = (
-        f"smallest relative margin of the conditions, Fig. {figure}; bound {RIGOROUS} on the filter term; "
-        "with the bound 2 the gains are outside, see the table"
-    )
-    return Claim("Sec. V", cell, settings, "feasible (> 0)", margin, margin > 0, note)
+    return Claim("Sec. V", "gains of the simulations lie in the region", f"{case}, {POINT}",
+                 "feasible (> 0)", margin, margin > 0,
+                 f"smallest relative margin of the conditions, Fig. {figure}; bound {RIGOROUS} on the filter term; "
+                 "with the bound 2 the gains are outside, see the table")  # fmt: skip
 
 
 def _no_smaller(regions: Mapping[str, Region]) -> Claim:
     stabilisation, tracking = regions["stabilisation"], regions["tracking"]
     outside = int((tracking.inside & ~stabilisation.inside).sum())
-    cell, settings = "stabilisation region no smaller than the tracking region", "grid points of tracking outside it"
-    note = f"shares of the square {stabilisation.share:.3f} and {tracking.share:.3f}"
-    return Claim("Sec. V", cell, settings, "0", float(outside), outside == 0, note)
+    return Claim("Sec. V", "stabilisation region no smaller than the tracking region",
+                 "grid points of tracking outside it",
+                 "0", float(outside), outside == 0,
+                 f"shares of the square {stabilisation.share:.3f} and {tracking.share:.3f}")  # fmt: skip
 
 
 def _start_rate(choices: Choices) -> Claim:
@@ -91,13 +90,11 @@ def _start_rate(choices: Choices) -> Claim:
         for bounds in (STABILISATION, TRACKING)
         for rate in (0.01, 0.1)
     ]
-    note = (
-        "the runs start at 0.0995 rad/s, ten times the printed bound and so outside of what it covers; parts of the "
-        f"square that are feasible with 0.01 and with 0.1: {shares[0]:.4f}, {shares[1]:.4f} (stabilisation), "
-        f"{shares[2]:.4f}, {shares[3]:.4f} (tracking): (89) hardly binds"
-    )
-    start = float(np.linalg.norm(START["omega_BN_B"]))
-    return Claim("Sec. V", "bound on the initial rate error in rad/s", "‖δω(0)‖", 0.01, start, None, note)
+    return Claim("Sec. V", "bound on the initial rate error in rad/s", "‖δω(0)‖",
+                 0.01, float(np.linalg.norm(START["omega_BN_B"])), None,
+                 "the runs start at 0.0995 rad/s, ten times the printed bound and so outside of what it covers; parts "
+                 f"of the square that are feasible with 0.01 and with 0.1: {shares[0]:.4f}, {shares[1]:.4f} "
+                 f"(stabilisation), {shares[2]:.4f}, {shares[3]:.4f} (tracking): (89) hardly binds")  # fmt: skip
 
 
 def _table(cells: list[list[object]]) -> Table:

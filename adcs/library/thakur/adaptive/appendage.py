@@ -63,50 +63,48 @@ def moving_appendages(choices: Choices) -> Section:
 
 
 def _errors(runs: Runs, reading: Reading, choices: Choices) -> Iterator[Claim]:
-    proposed, comparison = runs[PROPOSED], runs[COMPARISON]
-    ours, theirs = last(proposed), last(comparison)
+    run, factor = runs[PROPOSED], choices.marginal
+    ours, theirs = last(run), last(runs[COMPARISON])
     for error, limit in REACHED.items():
-        end, largest = proposed.end(error), ours.peak(error)
-        note = f"it oscillates: over the last {LAST:g} s it is between {ours.least(error):.2g} and {largest:.2g}"
-        which, printed = f"{PROPOSED}, {label(reading)}", f"below {limit:g} within 400 s"
-        yield Claim(WHERE, f"{error} at 400 s{error.in_unit}", which, printed, end, end < limit, note)
-        cell = f"{error}, largest over the last {LAST:g} s{error.in_unit}"
-        note = "the stricter reading of the same sentence: that it stays below"
-        yield Claim(WHERE, cell, which, printed, largest, largest < limit, note)
+        end, largest = run.end(error), ours.peak(error)
+        yield Claim(WHERE, f"{error} at 400 s{error.in_unit}", f"{PROPOSED}, {label(reading)}",
+                    f"below {limit:g} within 400 s", end, end < limit,
+                    f"it oscillates: over the last {LAST:g} s it is between {ours.least(error):.2g} and {largest:.2g}",
+        )  # fmt: skip
+        yield Claim(WHERE, f"{error}, largest over the last {LAST:g} s{error.in_unit}", f"{PROPOSED}, {label(reading)}",
+                    f"below {limit:g} within 400 s", largest, largest < limit,
+                    "the stricter reading of the same sentence: that it stays below")  # fmt: skip
     for error, level in SATURATED.items():
         mean = theirs.rms(error)
-        note = (
-            f"root mean square over the last {LAST:g} s, where it is between {theirs.least(error):.2g} and "
-            f"{theirs.peak(error):.2g}; judged at a factor of {choices.marginal:g}"
-        )
-        near, which = level / choices.marginal <= mean <= level * choices.marginal, f"{COMPARISON}, {label(reading)}"
-        cell = f"{error} saturates{error.in_unit}"
-        yield Claim(WHERE, cell, which, f"around {level:g}", mean, near, note)
-        ratio, which = mean / ours.rms(error), f"{COMPARISON} / {PROPOSED}, {label(reading)}"
-        cell, printed = f"{error} in the end: ratio", "significantly diminished convergence"
-        note = "of the root mean squares; judged at 10"
-        yield Claim(WHERE, cell, which, printed, ratio, ratio > 10, note)
+        yield Claim(WHERE, f"{error} saturates{error.in_unit}", f"{COMPARISON}, {label(reading)}",
+                    f"around {level:g}", mean, level / factor <= mean <= level * factor,
+                    f"root mean square over the last {LAST:g} s, where it is between {theirs.least(error):.2g} and "
+                    f"{theirs.peak(error):.2g}; judged at a factor of {factor:g}")  # fmt: skip
+        ratio = mean / ours.rms(error)
+        yield Claim(WHERE, f"{error} in the end: ratio", f"{COMPARISON} / {PROPOSED}, {label(reading)}",
+                    "significantly diminished convergence", ratio, ratio > 10,
+                    "of the root mean squares; judged at 10")  # fmt: skip
 
 
-def _effort(runs: Runs, reading: Reading) -> list[Claim]:
-    ours, theirs = (runs[law].until(EARLY).peak(TORQUE) for law in (PROPOSED, COMPARISON))
-    cell, which = "overshoot of the control torque: ratio of the peaks", f"{PROPOSED} / {COMPARISON}, {label(reading)}"
-    note, ratio = f"{ours:.4g} and {theirs:.4g} N.m in the first {EARLY:g} s", ours / theirs
-    first = Claim(WHERE, cell, which, "slightly higher (> 1)", ratio, ratio > 1, note)
-    ours, theirs = (runs[law].between(LATE, settings.STOP_TIME).area(TORQUE) for law in (PROPOSED, COMPARISON))
-    cell, which = (
-        "control torque in steady state: ratio of the integrals",
-        f"{COMPARISON} / {PROPOSED}, {label(reading)}",
-    )
-    note, ratio = f"{theirs:.5g} and {ours:.5g} N.m.s from {LATE:g} to 400 s", theirs / ours
-    return [first, Claim(WHERE, cell, which, "higher (> 1)", ratio, ratio > 1, note)]
+def _effort(runs: Runs, reading: Reading) -> Iterator[Claim]:
+    laws = (PROPOSED, COMPARISON)
+    ours, theirs = (runs[law].until(EARLY).peak(TORQUE) for law in laws)
+    yield Claim(WHERE, "overshoot of the control torque: ratio of the peaks",
+                f"{PROPOSED} / {COMPARISON}, {label(reading)}",
+                "slightly higher (> 1)", ours / theirs, ours / theirs > 1,
+                f"{ours:.4g} and {theirs:.4g} N.m in the first {EARLY:g} s")  # fmt: skip
+    ours, theirs = (runs[law].between(LATE, settings.STOP_TIME).area(TORQUE) for law in laws)
+    yield Claim(WHERE, "control torque in steady state: ratio of the integrals",
+                f"{COMPARISON} / {PROPOSED}, {label(reading)}",
+                "higher (> 1)", theirs / ours, theirs / ours > 1,
+                f"{theirs:.5g} and {ours:.5g} N.m.s from {LATE:g} to 400 s")  # fmt: skip
 
 
 def _inertia(run: Trajectory) -> Claim:
     least, margin = float(run[MOMENTS].min()), run.least(TRIANGLE)
-    cell = "inertia positive definite and within (3.5), Fig. 3.4"
-    note, ours = f"least principal moment {least:.3g}, least margin of (3.5) {margin:.3g} kg.m2", "throughout"
-    return Claim(WHERE, cell, "0 to 400 s", "throughout", ours if margin > 0 else "no", least > 0 and margin > 0, note)
+    return Claim(WHERE, "inertia positive definite and within (3.5), Fig. 3.4", "0 to 400 s",
+                 "throughout", "throughout" if margin > 0 else "no", least > 0 and margin > 0,
+                 f"least principal moment {least:.3g}, least margin of (3.5) {margin:.3g} kg.m2")  # fmt: skip
 
 
 def _levels(read: Read) -> Table:

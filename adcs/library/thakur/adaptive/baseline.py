@@ -56,19 +56,20 @@ def alike(ratio: float) -> bool:
 
 
 def _similar(pair: Runs) -> Iterator[Claim]:
-    settings, printed = f"{PROPOSED} / {COMPARISON}", "similar (about 1)"
+    both = f"{PROPOSED} / {COMPARISON}"
     for error in (ATTITUDE, RATE):
         times = [run.settled(error, 0.02) for run in pair.values()]
         peaks = [run.peak(error) for run in pair.values()]
-        ratio, cell = times[0] / times[1], f"{error}: ratio of the times of convergence"
-        note = (
-            f"{times[0]:.3g} s and {times[1]:.3g} s to 2 % of the peaks, {peaks[0]:.3g} and {peaks[1]:.3g}; judged at "
-        )
-        yield Claim(WHERE, cell, settings, printed, ratio, alike(ratio), f"{note}a factor of {ALIKE:g}")
+        ratio = times[0] / times[1]
+        yield Claim(WHERE, f"{error}: ratio of the times of convergence", both,
+                    "similar (about 1)", ratio, alike(ratio),
+                    f"{times[0]:.3g} s and {times[1]:.3g} s to 2 % of the peaks, {peaks[0]:.3g} and {peaks[1]:.3g}; "
+                    f"judged at a factor of {ALIKE:g}")  # fmt: skip
     peaks = [run.peak(TORQUE) for run in pair.values()]
-    note = f"{peaks[0]:.3g} and {peaks[1]:.3g} N.m; judged at a factor of {ALIKE:g}"
     ratio = peaks[0] / peaks[1]
-    yield Claim(WHERE, "largest torque: ratio", settings, printed, ratio, alike(ratio), note)
+    yield Claim(WHERE, "largest torque: ratio", both,
+                "similar (about 1)", ratio, alike(ratio),
+                f"{peaks[0]:.3g} and {peaks[1]:.3g} N.m; judged at a factor of {ALIKE:g}")  # fmt: skip
 
 
 def peak_rate(reading: Reading) -> float:

@@ -75,33 +75,35 @@ def losing_fuel(choices: Choices) -> Section:
 
 def _errors(runs: Runs, reading: Reading) -> Iterator[Claim]:
     for error in (ATTITUDE, RATE):
-        proposed, comparison = (last(runs[law]).peak(error) for law in (PROPOSED, COMPARISON))
-        part, which = proposed / runs[PROPOSED].peak(error), f"{PROPOSED}, {label(reading)}"
-        cell = f"{error}, largest over the last {LAST:g} s / peak"
-        note = f"{proposed:.2g}{error.in_unit}; judged at 1e-4 of the peak"
-        yield Claim(WHERE, cell, which, "driven to the origin", part, part < 1e-4, note)
-        ratio, which = comparison / proposed, f"{COMPARISON} / {PROPOSED}, {label(reading)}"
-        cell = f"{error} in the end: ratio of the largest over the last {LAST:g} s"
-        note = f"{comparison:.2g} and {proposed:.2g}{error.in_unit}; judged at 10"
-        yield Claim(WHERE, cell, which, "appreciable loss of accuracy", ratio, ratio > 10, note)
+        ours, theirs = (last(runs[law]).peak(error) for law in (PROPOSED, COMPARISON))
+        part = ours / runs[PROPOSED].peak(error)
+        yield Claim(WHERE, f"{error}, largest over the last {LAST:g} s / peak", f"{PROPOSED}, {label(reading)}",
+                    "driven to the origin", part, part < 1e-4,
+                    f"{ours:.2g}{error.in_unit}; judged at 1e-4 of the peak")  # fmt: skip
+        yield Claim(WHERE, f"{error} in the end: ratio of the largest over the last {LAST:g} s",
+                    f"{COMPARISON} / {PROPOSED}, {label(reading)}",
+                    "appreciable loss of accuracy", theirs / ours, theirs / ours > 10,
+                    f"{theirs:.2g} and {ours:.2g}{error.in_unit}; judged at 10")  # fmt: skip
 
 
 def _law(runs: Runs, reading: Reading) -> Iterator[Claim]:
-    least, which = runs[PROPOSED].least(MARGIN), f"{PROPOSED}, {label(reading)}"
-    cell, note = "least implementability of the law", "1 - ‖Ĵ₁Ω‖ must be positive, (3.39)"
-    yield Claim(WHERE, cell, which, "well-defined throughout", least, least > 0, note)
+    least = runs[PROPOSED].least(MARGIN)
+    yield Claim(WHERE, "least implementability of the law", f"{PROPOSED}, {label(reading)}",
+                "well-defined throughout", least, least > 0,
+                "1 - ‖Ĵ₁Ω‖ must be positive, (3.39)")  # fmt: skip
     ours, theirs = (runs[law].until(EARLY).peak(TORQUE) for law in (PROPOSED, COMPARISON))
-    ratio, which = ours / theirs, f"{PROPOSED} / {COMPARISON}, {label(reading)}"
-    cell = "control torque in the transient: ratio of the peaks"
-    note = f"{ours:.3g} and {theirs:.3g} N.m; judged at a factor of {ALIKE:g}"
-    yield Claim(WHERE, cell, which, "comparable", ratio, alike(ratio), note)
+    yield Claim(WHERE, "control torque in the transient: ratio of the peaks",
+                f"{PROPOSED} / {COMPARISON}, {label(reading)}",
+                "comparable", ours / theirs, alike(ours / theirs),
+                f"{ours:.3g} and {theirs:.3g} N.m; judged at a factor of {ALIKE:g}")  # fmt: skip
     for control, run in runs.items():
         tops = torque_peaks(run, np.pi / FREQUENCIES[reading])
-        falling, which = bool(np.all(np.diff(tops) < 0)), f"{control}, {label(reading)}"
-        cell = f"peaks of the control torque from {DECAY_FROM:g} s on [N.m]"
-        note = f"{len(tops)} peaks, one in each half period of the reference"
-        ours_ = f"{tops[0]:.4g} to {tops[-1]:.4g}, {'each below the one before' if falling else 'not all falling'}"
-        yield Claim(WHERE, cell, which, "monotonic decay", ours_, falling, note)
+        falling = bool(np.all(np.diff(tops) < 0))
+        text = "each below the one before" if falling else "not all falling"
+        yield Claim(WHERE, f"peaks of the control torque from {DECAY_FROM:g} s on [N.m]",
+                    f"{control}, {label(reading)}",
+                    "monotonic decay", f"{tops[0]:.4g} to {tops[-1]:.4g}, {text}", falling,
+                    f"{len(tops)} peaks, one in each half period of the reference")  # fmt: skip
 
 
 def torque_peaks(run: Trajectory, half_period: float) -> np.ndarray:
@@ -111,21 +113,20 @@ def torque_peaks(run: Trajectory, half_period: float) -> np.ndarray:
 
 
 def _bounded(run: Trajectory, reading: Reading) -> Claim:
-    largest, which = run.peak(SIGMA_EST), f"{PROPOSED}, {label(reading)}"
-    cell = "‖Ĵ₁‖ by its elements, largest [kg.m2/(N.m.s)]"
-    note = f"sqrt(ε2 + δ2) = {SIGMA_RADIUS:.6f} is reached and not passed"
-    return Claim(WHERE, cell, which, "bounded by 0.0113", largest, largest <= SIGMA_RADIUS * (1 + 1e-6), note)
+    largest = run.peak(SIGMA_EST)
+    return Claim(WHERE, "‖Ĵ₁‖ by its elements, largest [kg.m2/(N.m.s)]", f"{PROPOSED}, {label(reading)}",
+                 "bounded by 0.0113", largest, largest <= SIGMA_RADIUS * (1 + 1e-6),
+                 f"sqrt(ε2 + δ2) = {SIGMA_RADIUS:.6f} is reached and not passed")  # fmt: skip
 
 
 def _inertia(runs: Runs, reading: Reading) -> Iterator[Claim]:
     for control, run in runs.items():
-        least, margin, spent = float(run[MOMENTS].min()), run.least(TRIANGLE), run.end(IMPULSE)
-        cell, which = "inertia positive definite and within (3.5), Fig. 3.11", f"{control}, {label(reading)}"
-        note = f"least principal moment {least:.3g}, least margin {margin:.2g} kg.m2, "
-        note += f"at an impulse of {spent:.0f} N.m.s"
+        least, margin = float(run[MOMENTS].min()), run.least(TRIANGLE)
         holds = least > 0 and margin > 0
-        ours = "throughout" if holds else "not to the end"
-        yield Claim(WHERE, cell, which, "throughout", ours, holds, note)
+        yield Claim(WHERE, "inertia positive definite and within (3.5), Fig. 3.11", f"{control}, {label(reading)}",
+                    "throughout", "throughout" if holds else "not to the end", holds,
+                    f"least principal moment {least:.3g}, least margin {margin:.2g} kg.m2, "
+                    f"at an impulse of {run.end(IMPULSE):.0f} N.m.s")  # fmt: skip
 
 
 def _ends(read: Read) -> Table:

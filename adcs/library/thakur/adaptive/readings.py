@@ -62,18 +62,17 @@ def in_both_readings(
 
 def estimates(section: str, proposed: Trajectory, full: Trajectory, choices: Choices) -> Iterator[Claim]:
     """That sigma converges to the true values and theta does not."""
+    near = choices.estimated
     for name, run in ((PROPOSED, proposed), (FULL, full)):
         middle, end = run.at(SIGMA_ERROR, run.time[-1] / 2), run.end(SIGMA_ERROR)
-        cell, count = "J_1 estimate converges to the true value", run[SIGMA_EST].shape[1]
-        note = f"{count} parameters: {middle:.1%} of the true norm at half time; "
-        note += f"judged at {choices.estimated:.0%} and falling"
-        holds = end < choices.estimated and end < middle
-        yield Claim(section, cell, name, "to their true values", f"{end:.1%} off", holds, note)
+        yield Claim(section, "J_1 estimate converges to the true value", name,
+                    "to their true values", f"{end:.1%} off", end < near and end < middle,
+                    f"{run[SIGMA_EST].shape[1]} parameters: {middle:.1%} of the true norm at half time; "
+                    f"judged at {near:.0%} and falling")  # fmt: skip
     start, end = proposed.start(THETA_ERROR), proposed.end(THETA_ERROR)
-    cell = "J_0 estimate: error at the end / at the start"
-    note = f"‖θ̂ - θ‖ from {start:.3g} to {end:.3g} kg.m2; judged at {choices.estimated:.0%} of the start"
-    share = end / start
-    yield Claim(section, cell, PROPOSED, "does not converge", share, share > choices.estimated, note)
+    yield Claim(section, "J_0 estimate: error at the end / at the start", PROPOSED,
+                "does not converge", end / start, end / start > near,
+                f"‖θ̂ - θ‖ from {start:.3g} to {end:.3g} kg.m2; judged at {near:.0%} of the start")  # fmt: skip
 
 
 def convergence_table(read: Read, full: Trajectory) -> Table:

@@ -59,45 +59,48 @@ def _show(found: Runs, choices: Choices) -> Outcome:
 def _reference() -> Claim:
     off = float(np.abs(direction_cosines(Q_RN) - np.array(PRINTED_C_R)).max())
     orthogonal = float(np.abs(np.array(PRINTED_C_R) @ np.transpose(PRINTED_C_R) - np.eye(3)).max())
-    cell = "C_r against 87.7° about [1, 1, 1]: largest difference of an element"
-    note = f"printed to four digits, with which it is orthogonal to {orthogonal:.1g} only; the rotation itself is used"
-    return Claim(WHERE, cell, "", "equal", off, off <= 1e-4, note)
+    return Claim(WHERE, "C_r against 87.7° about [1, 1, 1]: largest difference of an element", "",
+                 "equal", off, off <= 1e-4,
+                 f"printed to four digits, with which it is orthogonal to {orthogonal:.1g} only; "
+                 "the rotation itself is used")  # fmt: skip
 
 
 def _lyapunov_matrix(P: Array) -> Claim:
     off = float(np.abs(P - np.diag(PRINTED_P)).max() / max(PRINTED_P))
-    text = "diag(" + ", ".join(f"{p:g}" for p in PRINTED_P) + ")"
-    ours = "diag(" + ", ".join(f"{p:.6g}" for p in np.diag(P)) + ")"
-    return Claim(WHERE, "P", "A_m, Q as printed", text, ours, off <= 1e-12, "solved for by the component", off)
+    return Claim(WHERE, "P", "A_m, Q as printed",
+                 "diag(" + ", ".join(f"{p:g}" for p in PRINTED_P) + ")",
+                 "diag(" + ", ".join(f"{p:.6g}" for p in np.diag(P)) + ")", off <= 1e-12,
+                 "solved for by the component", off)  # fmt: skip
 
 
 def _torques(pair: Runs) -> Iterator[Claim]:
     for control, run in pair.items():
-        peak, when = run.peak(TORQUE), run.time[int(run.norm(TORQUE).argmax())]
-        cell, printed = "largest control torque [N·m]", f"less than {LARGEST_TORQUE:g}"
-        yield Claim(WHERE, cell, control, printed, peak, peak < LARGEST_TORQUE, f"at {when:g} s")
+        peak = run.peak(TORQUE)
+        yield Claim(WHERE, "largest control torque [N·m]", control,
+                    f"less than {LARGEST_TORQUE:g}", peak, peak < LARGEST_TORQUE,
+                    f"at {run.time[int(run.norm(TORQUE).argmax())]:g} s")  # fmt: skip
     more = pair[GYRO_FREE].start(TORQUE) - pair[FULL_STATE].start(TORQUE)
-    cell = "initial torque norm, gyro-free - full state [N·m]"
-    note = "judged to the one digit given; it is the rate term of full state, k_ω ‖ω(0)‖ = 0.0021 N·m, against Ω(0)"
-    same = round(more, 3) == MORE_TORQUE
-    yield Claim(WHERE, cell, "", MORE_TORQUE, more, same, note, more / MORE_TORQUE - 1)
+    yield Claim(WHERE, "initial torque norm, gyro-free - full state [N·m]", "",
+                MORE_TORQUE, more, round(more, 3) == MORE_TORQUE,
+                "judged to the one digit given; it is the rate term of full state, k_ω ‖ω(0)‖ = 0.0021 N·m, "
+                "against Ω(0)", more / MORE_TORQUE - 1)  # fmt: skip
 
 
 def _convergence(pair: Runs, choices: Choices) -> Iterator[Claim]:
     for what in (RATE, ANGLE):
         for control, run in pair.items():
             settled, peak, left = run.settled(what, choices.settled), run.peak(what), run.after(AT_REST_BY).start(what)
-            note = f"below {choices.settled:g} of its peak ({peak:.3g} {what.unit}); at {AT_REST_BY:g} s "
-            note += f"{left:.2g} {what.unit}, {left / peak:.2g} of it"
-            cell, holds = f"{what} driven to the origin [s]", settled <= AT_REST_BY
-            yield Claim(WHERE, cell, control, "within two minutes", settled, holds, note)
+            yield Claim(WHERE, f"{what} driven to the origin [s]", control,
+                        "within two minutes", settled, settled <= AT_REST_BY,
+                        f"below {choices.settled:g} of its peak ({peak:.3g} {what.unit}); at {AT_REST_BY:g} s "
+                        f"{left:.2g} {what.unit}, {left / peak:.2g} of it")  # fmt: skip
 
 
 def _effort(pair: Runs) -> Claim:
     own, full = (pair[control].area(TORQUE) for control in (GYRO_FREE, FULL_STATE))
-    cell, settings = "torque requirement: ratio of the integrals of the torque", "gyro-free / full state"
-    note = f"{own:.3g} and {full:.3g} N·m·s; judged at a factor of {COMPARABLE:g}"
-    return Claim(WHERE, cell, settings, "comparable", own / full, 1 / COMPARABLE <= own / full <= COMPARABLE, note)
+    return Claim(WHERE, "torque requirement: ratio of the integrals of the torque", "gyro-free / full state",
+                 "comparable", own / full, 1 / COMPARABLE <= own / full <= COMPARABLE,
+                 f"{own:.3g} and {full:.3g} N·m·s; judged at a factor of {COMPARABLE:g}")  # fmt: skip
 
 
 def _table(runs: Runs, choices: Choices) -> Table:

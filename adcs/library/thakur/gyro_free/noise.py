@@ -112,19 +112,20 @@ def _transient(runs: Draws, exact: Runs) -> Iterator[Claim]:
     for what in (ANGLE, RATE):
         for control, clean in exact.items():
             off = max(np.abs(run.norm(what) - clean.norm(what)).max() for run in runs[control, HALF_ANGLE])
-            part, cell = float(off / clean.peak(what)), f"transient of the {what}: largest change by noise / peak"
-            note, holds = f"judged at {UNAFFECTED:g}", part <= UNAFFECTED
-            yield Claim(WHERE, cell, control, "relatively unaffected", part, holds, note)
+            part = float(off / clean.peak(what))
+            yield Claim(WHERE, f"transient of the {what}: largest change by noise / peak", control,
+                        "relatively unaffected", part, part <= UNAFFECTED,
+                        f"judged at {UNAFFECTED:g}")  # fmt: skip
 
 
 def _residual(level: Mapping[Key, Steady], exact: Runs, choices: Choices) -> Iterator[Claim]:
     for what in (ANGLE, RATE):
         for control in CONTROLS:
             ours, clean = level[control, HALF_ANGLE][what], exact[control].after(choices.rest_from).rms(what)
-            note = f"root mean square from {choices.rest_from:g} to {choices.rest_stop_time:g} s; "
-            note += f"without noise {clean:.1g}"
-            cell, holds = f"{what} in steady state{what.in_unit}", ours > LEFT_OVER * clean
-            yield Claim(WHERE, cell, control, "nonzero steady-state value", ours, holds, note)
+            yield Claim(WHERE, f"{what} in steady state{what.in_unit}", control,
+                        "nonzero steady-state value", ours, ours > LEFT_OVER * clean,
+                        f"root mean square from {choices.rest_from:g} to {choices.rest_stop_time:g} s; "
+                        f"without noise {clean:.1g}")  # fmt: skip
 
 
 def _growth(level: Mapping[Key, Steady]) -> Iterator[Claim]:
@@ -132,23 +133,20 @@ def _growth(level: Mapping[Key, Steady]) -> Iterator[Claim]:
     for what in (ANGLE, RATE):
         for control in CONTROLS:
             ratio = level[control, LARGER][what] / level[control, HALF_ANGLE][what]
-            cell = f"{what} in steady state, {LARGER:g} deg / {HALF_ANGLE:g} deg"
-            note, holds = f"in proportion, if judged at {10**low:.2g} to {10**high:.2g}", low <= log10(ratio) <= high
-            yield Claim(WHERE, cell, control, "grows with the cone", ratio, holds, note)
+            yield Claim(WHERE, f"{what} in steady state, {LARGER:g} deg / {HALF_ANGLE:g} deg", control,
+                        "grows with the cone", ratio, low <= log10(ratio) <= high,
+                        f"in proportion, if judged at {10**low:.2g} to {10**high:.2g}")  # fmt: skip
 
 
 def _no_worse(runs: Draws, level: Mapping[Key, Steady], choices: Choices) -> Iterator[Claim]:
     for what in (ANGLE, RATE):
         ratio = level[GYRO_FREE, HALF_ANGLE][what] / level[FULL_STATE, HALF_ANGLE][what]
         own, full = (runs[control, HALF_ANGLE] for control in (GYRO_FREE, FULL_STATE))
-        note = f"{spread_of(what, own, full, choices.rest_from)}; judged at {NO_WORSE:g}"
-        if ratio > NO_WORSE:
-            note += "; full state knows the true rate, while the filter's derivative takes noise for motion"
-        cell, printed = (
-            f"{what} in steady state, gyro-free / full state",
-            "noise affects it not any worse than full state",
-        )
-        yield Claim(WHERE, cell, f"{HALF_ANGLE:g} deg", printed, ratio, ratio <= NO_WORSE, note)
+        ratios = spread_of(what, own, full, choices.rest_from)
+        worse = "; full state knows the true rate, while the filter's derivative takes noise for motion"
+        yield Claim(WHERE, f"{what} in steady state, gyro-free / full state", f"{HALF_ANGLE:g} deg",
+                    "noise affects it not any worse than full state", ratio, ratio <= NO_WORSE,
+                    f"{ratios}; judged at {NO_WORSE:g}{worse if ratio > NO_WORSE else ''}")  # fmt: skip
 
 
 def _steady_table(level: Mapping[Key, Steady], choices: Choices) -> Table:

@@ -61,21 +61,21 @@ def _below() -> Start:
 
 def _counterexample(value: float, start: Start, stays: Trajectory) -> Claim:
     angle = stays.end(ANGLE)
-    note = (
-        f"V(0) = {start_value(start):.4g} N·m is below kp Σk = {printed_level():.4g} N·m, and after {REST_TIME:g} s "
-        f"the angle is {angle:.6f}° with a torque of at most {stays.peak(TORQUE):.0e} N·m. So for "
-        "all three eigenvectors e of M₀: turned by 180° about e, ME = (2eeᵀ - I)M₀ is symmetric, hence Ω = 0 and "
-        "u = 0. The proof excludes only y_j = -y_rj for all j at once, which no rotation can do"
-    )
-    cell, settings = "every start with V(0) < kp Σk converges", f"at rest, 180° about the eigenvector of {value:.4g}"
-    return Claim(WHERE, cell, settings, "[E, ω] → [I, 0]", f"stays at {angle:.6g}°", None, note)
+    return Claim(WHERE, "every start with V(0) < kp Σk converges",
+                 f"at rest, 180° about the eigenvector of {value:.4g}",
+                 "[E, ω] → [I, 0]", f"stays at {angle:.6g}°", None,
+                 f"V(0) = {start_value(start):.4g} N·m is below kp Σk = {printed_level():.4g} N·m, and after "
+                 f"{REST_TIME:g} s the angle is {angle:.6f}° with a torque of at most {stays.peak(TORQUE):.0e} N·m. So "
+                 "for all three eigenvectors e of M₀: turned by 180° about e, ME = (2eeᵀ - I)M₀ is symmetric, hence "
+                 "Ω = 0 and u = 0. The proof excludes only y_j = -y_rj for all j at once, which no rotation can do",
+    )  # fmt: skip
 
 
 def _text() -> Claim:
     value, level = start_value(), sufficient_level()
-    cell = "V(0) of the start of Sec. 4.3 over the level"
-    note = f"V(0) = {value:.4g} N·m is below the corrected level {level:.4g} N·m too"
-    return Claim(WHERE, cell, "", "convergence", value / level, value < level, note)
+    return Claim(WHERE, "V(0) of the start of Sec. 4.3 over the level", "",
+                 "convergence", value / level, value < level,
+                 f"V(0) = {value:.4g} N·m is below the corrected level {level:.4g} N·m too")  # fmt: skip
 
 
 def _panel(runs: Mapping[float | None, Trajectory], choices: Choices) -> Panel:

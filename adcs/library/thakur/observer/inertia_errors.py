@@ -70,20 +70,18 @@ def _moments_of(label: str) -> list[float]:
 def _norms() -> Iterator[Claim]:
     for label, printed in PRINTED_NORMS.items():
         ours, frobenius, columns = (_ratio(ERRORS[label], order) for order in (2, "fro", 1))
-        others = f"Frobenius {frobenius:.3g}, largest column sum {columns:.3g}"
-        cell, note = f"norm of {label[4:]} over that of J", f"spectral norm; {others}; judged by the one digit given"
-        holds = round(ours, 1) == printed
-        yield Claim("Eq. (5.63)", cell, "", f"≈ {printed}", ours, holds, note, ours / printed - 1)
+        yield Claim("Eq. (5.63)", f"norm of {label[4:]} over that of J", "",
+                    f"≈ {printed}", ours, round(ours, 1) == printed,
+                    f"spectral norm; Frobenius {frobenius:.3g}, largest column sum {columns:.3g}; "
+                    "judged by the one digit given", ours / printed - 1)  # fmt: skip
 
 
 def _magnitude() -> Claim:
     first, second = (_ratio(ERRORS[label], 2) for label in (FIRST, SECOND))
-    cell = "which error is larger and makes the principal moments smaller"
-    note = (
-        f"‖ΔJ₁‖/‖J‖ = {first:.3g}, ‖ΔJ₂‖/‖J‖ = {second:.3g}, in the order that Eq. (5.63) itself gives (0.1 and 0.3), "
-        "and the moments are in the rows below: the prose swaps the two labels, and is judged here with them put right"
-    )
-    return Claim(WHERE, cell, "", "ΔJ₁", "ΔJ₂", None, note)
+    return Claim(WHERE, "which error is larger and makes the principal moments smaller", "", "ΔJ₁", "ΔJ₂", None,
+                 f"‖ΔJ₁‖/‖J‖ = {first:.3g}, ‖ΔJ₂‖/‖J‖ = {second:.3g}, in the order that Eq. (5.63) itself gives (0.1 "
+                 "and 0.3), and the moments are in the rows below: the prose swaps the two labels, and is judged here "
+                 "with them put right")  # fmt: skip
 
 
 def _moments() -> Iterator[Claim]:
@@ -92,10 +90,10 @@ def _moments() -> Iterator[Claim]:
         ours = _moments_of(label)
         holding = sum(sign * (a - b) > 0 for a, b in zip(ours, true, strict=True))
         trace = sum(ours) / sum(true)
-        note = f"{_list(ours)} against {_list(true)} kg·m²; {holding} of 3 are {printed.split()[-1]}, "
-        note += f"their sum {trace:.3g} times as large" + ("" if holding == 3 else ": holds for the sum")
-        cell = "principal moments against the true ones, sum"
-        yield Claim(WHERE, cell, label, printed, trace, sign * (trace - 1) > 0, note)
+        yield Claim(WHERE, "principal moments against the true ones, sum", label,
+                    printed, trace, sign * (trace - 1) > 0,
+                    f"{_list(ours)} against {_list(true)} kg·m²; {holding} of 3 are {printed.split()[-1]}, their sum "
+                    f"{trace:.3g} times as large{'' if holding == 3 else ': holds for the sum'}")  # fmt: skip
 
 
 def _transients(runs: Runs, choices: Choices) -> Iterator[Claim]:
@@ -103,21 +101,23 @@ def _transients(runs: Runs, choices: Choices) -> Iterator[Claim]:
         exact = runs[EXACT].settled(error, choices.settled)
         for label, printed in ((SECOND, "appears to converge faster at first"), (FIRST, "similar transient")):
             time = runs[label].settled(error, choices.settled)
-            holds = time < exact if label == SECOND else 1 / SIMILAR <= time / exact <= SIMILAR
             areas = runs[label].area(error) / runs[EXACT].area(error)
-            note = f"{exact:.4g} s with the exact inertia; ratio of the integrals of the norm {areas:.3g}"
-            note += "" if label == SECOND else f"; similar: within a factor of {SIMILAR:g}"
-            yield Claim(WHERE, f"{error} converges [s]", label, printed, time, holds, note)
+            similar = "" if label == SECOND else f"; similar: within a factor of {SIMILAR:g}"
+            yield Claim(WHERE, f"{error} converges [s]", label,
+                        printed, time, time < exact if label == SECOND else 1 / SIMILAR <= time / exact <= SIMILAR,
+                        f"{exact:.4g} s with the exact inertia; "
+                        f"ratio of the integrals of the norm {areas:.3g}{similar}")  # fmt: skip
 
 
 def _residuals(runs: Runs, choices: Choices) -> Iterator[Claim]:
     for error in ESTIMATION:
         ends = {label: run.after(choices.steady_from).peak(error) for label, run in runs.items()}
         for label in (FIRST, SECOND):
-            ours, cell = ends[label], f"{error} in steady state{error.in_unit}"
-            holds = 1e3 * ends[EXACT] < ours <= choices.settled * runs[label].peak(error)
-            note = f"largest after {choices.steady_from:g} s; {ends[EXACT]:.1g} with the exact inertia, still falling"
-            yield Claim(WHERE, cell, label, "bounded, not zero", ours, holds, note)
+            ours, small = ends[label], choices.settled * runs[label].peak(error)
+            yield Claim(WHERE, f"{error} in steady state{error.in_unit}", label,
+                        "bounded, not zero", ours, 1e3 * ends[EXACT] < ours <= small,
+                        f"largest after {choices.steady_from:g} s; "
+                        f"{ends[EXACT]:.1g} with the exact inertia, still falling")  # fmt: skip
 
 
 def _table(runs: Runs, choices: Choices) -> Table:

@@ -98,11 +98,11 @@ def _bounded(runs: Draws, level: Mapping[Key, Steady], choices: Choices) -> Iter
         for error in (ATTITUDE, ATTITUDE_ESTIMATE):
             if error in level[control, angle]:
                 largest = max(run.after(choices.steady_from).peak(error) for run in draws)
-                whole, ours = max(run.peak(error) for run in draws), level[control, angle][error]
-                cell, settings = f"steady-state {error}: bounded, not zero (rms)", f"{control}, {angle:g} deg"
-                note = f"never above {largest:.2g} after {choices.steady_from:g} s; peak of the run {whole:.2g}"
-                printed, holds = "non-zero steady-state value", 0 < largest < whole
-                yield Claim(WHERE, cell, settings, printed, ours, holds, note)
+                whole = max(run.peak(error) for run in draws)
+                yield Claim(WHERE, f"steady-state {error}: bounded, not zero (rms)", f"{control}, {angle:g} deg",
+                            "non-zero steady-state value", level[control, angle][error], 0 < largest < whole,
+                            f"never above {largest:.2g} after {choices.steady_from:g} s; "
+                            f"peak of the run {whole:.2g}")  # fmt: skip
 
 
 def _slightly_better(runs: Draws, level: Mapping[Key, Steady], choices: Choices) -> Iterator[Claim]:
@@ -117,8 +117,9 @@ def _slightly_better(runs: Draws, level: Mapping[Key, Steady], choices: Choices)
                 note = f"{ratios}; {judged}"
             else:
                 note = f"full state is better, by more than slightly: {ratios}; {judged}"
-            cell, printed = f"steady-state {error}, {BOTH}", "full state only slightly better (> 1)"
-            yield Claim(WHERE, cell, f"{angle:g} deg", printed, ratio, 1 < ratio <= choices.marginal, note)
+            yield Claim(WHERE, f"steady-state {error}, {BOTH}", f"{angle:g} deg",
+                        "full state only slightly better (> 1)", ratio, 1 < ratio <= choices.marginal,
+                        note)  # fmt: skip
 
 
 def _angles(level: Mapping[Key, Steady]) -> Iterator[Claim]:
@@ -130,14 +131,14 @@ def _angles(level: Mapping[Key, Steady]) -> Iterator[Claim]:
     }
     low, high = ALMOST_AN_ORDER
     for (control, error), ratio in growth.items():
-        cell, printed = f"steady-state {error}, 0.5 deg / 0.05 deg", "almost a full order of magnitude"
-        note = f"judged at {10**low:.2g} to {10**high:.2g}"
-        yield Claim(WHERE, cell, control, printed, ratio, low <= log10(ratio) <= high, note)
+        yield Claim(WHERE, f"steady-state {error}, 0.5 deg / 0.05 deg", control,
+                    "almost a full order of magnitude", ratio, low <= log10(ratio) <= high,
+                    f"judged at {10**low:.2g} to {10**high:.2g}")  # fmt: skip
     for error in TRACKING:
         ratio = growth[OBSERVER, error] / growth[FULL_STATE, error]
-        cell, note = f"growth of the {error} with the cone, {BOTH}", f"judged at a factor of {NO_WORSE:g}"
-        holds = ratio <= NO_WORSE
-        yield Claim(WHERE, cell, "0.05 to 0.5 deg", "observer not affected worse", ratio, holds, note)
+        yield Claim(WHERE, f"growth of the {error} with the cone, {BOTH}", "0.05 to 0.5 deg",
+                    "observer not affected worse", ratio, ratio <= NO_WORSE,
+                    f"judged at a factor of {NO_WORSE:g}")  # fmt: skip
 
 
 def _steady_table(level: Mapping[Key, Steady], choices: Choices) -> Table:

@@ -78,43 +78,42 @@ def _convergence(pair: Runs, choices: Choices) -> Iterator[Claim]:
     for error, limit in LIMITS.items():
         for control, run in having(pair, error).items():
             settled, peak, left = run.settled(error, part), run.peak(error), run.after(limit).start(error)
-            note = (
-                f"stays below {part:g} of its peak ({peak:.3g}{error.in_unit}), and below {part / 2:g} from "
-                f"{run.settled(error, part / 2):.4g} s on; "
-                f"at {limit:g} s it is {left:.2g}, {left / peak:.2g} of the peak"
-            )
-            cell, printed = f"{error} converges [s]", f"within {limit:g} s"
-            yield Claim(WHERE, cell, control, printed, settled, settled <= limit, note)
+            yield Claim(WHERE, f"{error} converges [s]", control,
+                        f"within {limit:g} s", settled, settled <= limit,
+                        f"stays below {part:g} of its peak ({peak:.3g}{error.in_unit}), "
+                        f"and below {part / 2:g} from {run.settled(error, part / 2):.4g} s on; "
+                        f"at {limit:g} s it is {left:.2g}, {left / peak:.2g} of the peak")  # fmt: skip
 
 
 def _steady_state(pair: Runs, choices: Choices) -> Iterator[Claim]:
     observer, full = pair[OBSERVER], pair[FULL_STATE]
     for what in (ATTITUDE, RATE, TORQUE):
         difference = norm(observer[what] - full[what])[full.time >= TRACKED_BY] / full.peak(what)
-        cell = f"steady state of the {what}: largest difference from {TRACKED_BY:g} s on / peak"
-        note = f"{difference[-1]:.1g} at {full.time[-1]:g} s; judged at {choices.settled:g}"
         largest = float(difference.max())
-        holds = largest <= choices.settled
-        yield Claim(WHERE, cell, "observer against full state", "identical", largest, holds, note)
+        yield Claim(WHERE, f"steady state of the {what}: largest difference from {TRACKED_BY:g} s on / peak",
+                    "observer against full state",
+                    "identical", largest, largest <= choices.settled,
+                    f"{difference[-1]:.1g} at {full.time[-1]:g} s; judged at {choices.settled:g}")  # fmt: skip
 
 
 def _transient(pair: Runs, choices: Choices) -> Iterator[Claim]:
     observer, full = pair[OBSERVER], pair[FULL_STATE]
     for what in TRACKING:
         ours, theirs = observer.area(what), full.area(what)
-        cell = f"transient of the {what}: ratio of the integrals of its norm"
-        printed, note = "full state slightly faster (> 1)", f"{ours:.4g} and {theirs:.4g}"
-        yield Claim(WHERE, cell, BOTH, printed, ours / theirs, ours / theirs > 1, note)
+        yield Claim(WHERE, f"transient of the {what}: ratio of the integrals of its norm", BOTH,
+                    "full state slightly faster (> 1)", ours / theirs, ours / theirs > 1,
+                    f"{ours:.4g} and {theirs:.4g}")  # fmt: skip
         ours, theirs = (run.settled(what, choices.settled) for run in (observer, full))
-        cell = f"transient of the {what}: difference of the times of convergence [s]"
-        note = f"{ours:.4g} s and {theirs:.4g} s; which is first depends on the level, see the settling times"
-        printed = "full state slightly faster (> 0)"
-        yield Claim(WHERE, cell, "observer - full state", printed, ours - theirs, ours > theirs, note)
+        yield Claim(WHERE, f"transient of the {what}: difference of the times of convergence [s]",
+                    "observer - full state",
+                    "full state slightly faster (> 0)", ours - theirs, ours > theirs,
+                    f"{ours:.4g} s and {theirs:.4g} s; which is first depends on the level, see the settling times",
+        )  # fmt: skip
     for what in (RATE, ATTITUDE):
         ratio = observer.oscillation(what) / full.oscillation(what)
-        cell = f"oscillation of the {what} (total variation)"
-        note = f"ratio of the peaks {observer.peak(what) / full.peak(what):.3g}"
-        yield Claim(WHERE, cell, BOTH, "larger (> 1)", ratio, ratio > 1, note)
+        yield Claim(WHERE, f"oscillation of the {what} (total variation)", BOTH,
+                    "larger (> 1)", ratio, ratio > 1,
+                    f"ratio of the peaks {observer.peak(what) / full.peak(what):.3g}")  # fmt: skip
 
 
 def _effort(pair: Runs) -> Iterator[Claim]:
@@ -127,32 +126,33 @@ def _effort(pair: Runs) -> Iterator[Claim]:
     }
     for what, note in notes.items():
         ours, theirs = observer.area(what), full.area(what)
-        cell = f"control effort over {TRACKED_BY:g} s: ratio of the integrals of the {what}"
-        note = f"{ours:.4g} and {theirs:.4g} N.m.s; {note}"
-        yield Claim(WHERE, cell, BOTH, "slightly higher (> 1)", ours / theirs, ours > theirs, note)
+        yield Claim(WHERE, f"control effort over {TRACKED_BY:g} s: ratio of the integrals of the {what}", BOTH,
+                    "slightly higher (> 1)", ours / theirs, ours > theirs,
+                    f"{ours:.4g} and {theirs:.4g} N.m.s; {note}")  # fmt: skip
 
 
 def _larger_errors(scaled: Scaled) -> Iterator[Claim]:
-    settings = "initial rate estimation error x " + ", ".join(f"{scale:g}" for scale in scaled)
-    transients = [run.until(TRACKED_BY) for run in scaled.values()]
-    measures = {
-        "oscillation of the rate tracking error (total variation) [rad/s]": ("larger", Trajectory.oscillation, RATE),
-        "control effort over 60 s: integral of the control torque [N.m.s]": ("increased", Trajectory.area, TORQUE),
-        "control effort over 60 s: integral of the feedback torque [N.m.s]": ("increased", Trajectory.area, FEEDBACK),
-    }
-    for cell, (printed, measure, what) in measures.items():
-        values = [measure(run, what) for run in transients]
-        grows, ours = all(a < b for a, b in pairwise(values)), ", ".join(f"{v:.4g}" for v in values)
-        note = "the feedforward outweighs the feedback terms, see the row below" if what is TORQUE and not grows else ""
-        yield Claim(WHERE, cell, settings, printed, ours, grows, note)
+    runs = [run.until(TRACKED_BY) for run in scaled.values()]
+    for what, printed, cell, values in (
+        (RATE, "larger", "oscillation of the rate tracking error (total variation) [rad/s]",
+         [run.oscillation(RATE) for run in runs]),
+        (TORQUE, "increased", "control effort over 60 s: integral of the control torque [N.m.s]",
+         [run.area(TORQUE) for run in runs]),
+        (FEEDBACK, "increased", "control effort over 60 s: integral of the feedback torque [N.m.s]",
+         [run.area(FEEDBACK) for run in runs]),
+    ):  # fmt: skip
+        grows = all(a < b for a, b in pairwise(values))
+        note = "the feedforward outweighs the feedback terms, see the row below"
+        yield Claim(WHERE, cell, "initial rate estimation error x " + ", ".join(f"{scale:g}" for scale in scaled),
+                    printed, ", ".join(f"{v:.4g}" for v in values), grows,
+                    note if what is TORQUE and not grows else "")  # fmt: skip
 
 
 def _reference_sign(choices: Choices) -> Claim:
     end = choices.shown
     reached = GUIDANCE["amplitude"] * np.exp(GUIDANCE["decay"] * end**2)
-    note = f"a minus sign is missing: as printed r would reach {reached:.1g} rad/s at {end:g} s"
-    printed, meant = "1 - exp(+0.01 t²)", "1 - exp(-0.01 t²)"
-    return Claim(WHERE, "r(t), first exponent", f"t = {end:g} s", printed, meant, None, note)
+    return Claim(WHERE, "r(t), first exponent", f"t = {end:g} s", "1 - exp(+0.01 t²)", "1 - exp(-0.01 t²)", None,
+                 f"a minus sign is missing: as printed r would reach {reached:.1g} rad/s at {end:g} s")  # fmt: skip
 
 
 def _settling_table(pair: Runs) -> Table:

@@ -43,16 +43,20 @@ def _show(found: Mapping[tuple[str, float], Result], choices: Choices) -> Outcom
     for what in (*ERRORS, TORQUE):
         peak = direct.peak(what)
         part = float(norm(run[what] - direct[what]).max() / peak)
-        cell, settings = f"{what}: largest difference / peak", "QUEST against the quaternion itself"
-        note = f"peak {peak:.3g}{what.in_unit}; judged at {IDENTICAL:g}"
-        claims.append(Claim(WHERE, cell, settings, "virtually identical", part, part <= IDENTICAL, note))
+        claims.append(
+            Claim(WHERE, f"{what}: largest difference / peak", "QUEST against the quaternion itself",
+                  "virtually identical", part, part <= IDENTICAL,
+                  f"peak {peak:.3g}{what.in_unit}; judged at {IDENTICAL:g}")
+        )  # fmt: skip
     number = KeyNumber("Torque, QUEST against quaternion", part, "", "of the peak")
     estimate, true = with_quest["quest.q_BN_est"], with_quest["plant.q_BN"]
     jump, turned = (float(norm(np.diff(q, axis=0)).max()) for q in (estimate, true))
-    cell = f"largest change of the estimate in {OUTPUT_STEP:g} s"
-    note = f"the true quaternion changes by {turned:.3g}; a jump of sign would be 2. Its scalar part goes from "
-    note += f"{true[0, 0]:.3g} to {true[:, 0].min():.3g}, so a sign fixed once would jump"
-    claims.append(Claim(WHERE, cell, "over the whole run", "no sign jumps", jump, jump < 2 * turned, note))
+    claims.append(
+        Claim(WHERE, f"largest change of the estimate in {OUTPUT_STEP:g} s", "over the whole run",
+              "no sign jumps", jump, jump < 2 * turned,
+              f"the true quaternion changes by {turned:.3g}; a jump of sign would be 2. Its scalar part goes from "
+              f"{true[0, 0]:.3g} to {true[:, 0].min():.3g}, so a sign fixed once would jump")
+    )  # fmt: skip
     shown = {"": run.until(choices.shown)}
     panels = [component_panel(w, shown, f"Fig. 5.7  {w.title}") for w in (ATTITUDE, RATE, RATE_ESTIMATE, TORQUE)]
     scalars = [Series("QUEST", run.time, estimate[:, 0]), Series("true", run.time, true[:, 0], dash="dash")]

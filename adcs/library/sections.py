@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Any, TypeVar
 
 from adcs.library.outcome import Outcome, Progress
 from orchestration.results.result import Result, RunFailed
@@ -13,6 +13,7 @@ from orchestration.running.run import run
 from orchestration.running.save import Save
 from orchestration.system import System
 
+C = TypeVar("C")
 Manifests = list[tuple[str, Mapping[str, Any]]]
 """Label and manifest of each run."""
 
@@ -98,6 +99,15 @@ def conduct(
         shown = section.show({name: view(simulation) for name, simulation in section.runs.items()})
         outcome += shown.within(section.group, section.title)
     return outcome, manifests
+
+
+def study_of(sections: Callable[[C], Sequence[Section]]) -> Callable[..., tuple[Outcome, Manifests]]:
+    """What runs a study whose sections follow from its choices: as `conduct`, with choices in their place."""
+
+    def study(choices: C, progress: Progress, simulate: Callable[..., Result] = run) -> tuple[Outcome, Manifests]:
+        return conduct(sections(choices), progress, simulate)
+
+    return study
 
 
 def manifest_of(choices: Any, runs: Manifests) -> dict[str, Any]:

@@ -8,11 +8,9 @@ from adcs.library.deruiter.bounded import bounded, guarantees
 from adcs.library.deruiter.design import Condition, Guarantee
 from adcs.library.deruiter.exact import exact
 from adcs.library.deruiter.settings import Choices
-from adcs.library.outcome import Claim, Outcome, Progress
-from adcs.library.sections import Manifests, Section, conduct
+from adcs.library.outcome import Claim, Outcome
+from adcs.library.sections import Section, study_of
 from orchestration.results.report import Table
-from orchestration.results.result import Result
-from orchestration.running.run import run as run_system
 
 TITLE = "Adaptive tracking with guaranteed bounds: de Ruiter"
 SUMMARY = (
@@ -23,13 +21,14 @@ SUMMARY = (
 )
 
 
-def run(
-    choices: Choices, progress: Progress, simulate: Callable[..., Result] = run_system
-) -> tuple[Outcome, Manifests]:
-    """Run everything; returns the outcome, and label and manifest of each run."""
+def sections(choices: Choices) -> list[Section]:
+    """What is known before any run, the runs under disturbance, those without, and misprints."""
     before = Section("Design", "", lambda _: design(choices))
     misprints = Section("Misprints", "Misprints", lambda _: Outcome(errata(choices)))
-    return conduct([before, *bounded(choices), exact(choices), misprints], progress, simulate)
+    return [before, *bounded(choices), exact(choices), misprints]
+
+
+run = study_of(sections)
 
 
 def design(choices: Choices) -> Outcome:

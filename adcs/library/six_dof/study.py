@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from adcs.library.outcome import Claim, Outcome, Progress
-from adcs.library.sections import Manifests, Section, Simulation, conduct
+from adcs.library.outcome import Claim, Outcome
+from adcs.library.sections import Section, Simulation, study_of
 from adcs.library.six_dof.settings import LENGTH_UNIT, MASS_UNIT, TIME_UNIT, Choices, Scaling
 from adcs.library.six_dof.signals import (
     ATTITUDE,
@@ -26,9 +26,7 @@ from adcs.library.six_dof.systems import RECORD, saturated, six_dof
 from adcs.library.trajectory import Runs, Trajectory, norm_panel
 from orchestration.results.plots import Guide, Panel
 from orchestration.results.report import KeyNumber, Table
-from orchestration.results.result import Result
 from orchestration.running.method import ModelExchange
-from orchestration.running.run import run as run_system
 
 TITLE = "Orbit and attitude at once, without any velocity measurement: Pan, Wong, Kapila"
 SUMMARY = (
@@ -46,10 +44,8 @@ GROUP, CONTROL_GROUP, STEP_GROUP = "Convergence", "Force and torque", "Exchange 
 NEGLIGIBLE = {POSITION: 1e-6, VELOCITY: 1e-8, ATTITUDE: 1e-9, RATE: 1e-10}  # m, m/s, 1, rad/s: converged to zero
 
 
-def run(
-    choices: Choices, progress: Progress, simulate: Callable[..., Result] = run_system
-) -> tuple[Outcome, Manifests]:
-    """Run everything; returns the outcome, and label and manifest of each run."""
+def sections(choices: Choices) -> list[Section]:
+    """The theorem, and what the exchange step of a co-simulation costs."""
     stop, limits = choices.stop_time, (choices.max_force, choices.max_torque)
     free = Simulation(FREE, six_dof(), signals, RECORD, stop, OUTPUT_STEP, COUPLED)
     limited = Simulation(LIMITED, saturated(*limits), signals, RECORD, stop, OUTPUT_STEP, COUPLED)
@@ -61,7 +57,7 @@ def run(
         )
         for step in STEPS
     }
-    sections = [
+    return [
         Section(
             GROUP,
             "The claims of the paper",
@@ -70,7 +66,9 @@ def run(
         ),
         Section(STEP_GROUP, "", _exchange_step, {"coupled": free, **exchanged}),
     ]
-    return conduct(sections, progress, simulate)
+
+
+run = study_of(sections)
 
 
 def _theorem(runs: Runs, choices: Choices) -> Outcome:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from adcs.library.outcome import Outcome, Progress
-from adcs.library.sections import Manifests, Section, conduct
+from adcs.library.sections import Section, study_of
 from adcs.library.thakur.adaptive import appendage, baseline, fuel, steps
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.gyro_free import claims as gyro_free
@@ -14,8 +13,6 @@ from adcs.library.thakur.gyro_free import random_starts as gyro_free_starts
 from adcs.library.thakur.gyro_free import steps as gyro_free_steps
 from adcs.library.thakur.gyro_free import theorem as gyro_free_theorem
 from adcs.library.thakur.observer import exchange_step, inertia_errors, noise, noise_free, quest, random_starts
-from orchestration.results.result import Result
-from orchestration.running.run import run as run_system
 
 TITLE = "Attitude control with less knowledge: Thakur, chapters 3 to 5"
 SUMMARY = (
@@ -27,7 +24,7 @@ SUMMARY = (
 )
 
 
-SECTIONS: dict[str, tuple[Callable[[Choices], Section], ...]] = {
+PARTS: dict[str, tuple[Callable[[Choices], Section], ...]] = {
     "3": (
         baseline.known_inertia,
         appendage.moving_appendages,
@@ -54,9 +51,9 @@ SECTIONS: dict[str, tuple[Callable[[Choices], Section], ...]] = {
 """By chapter, in the order of the text."""
 
 
-def run(
-    choices: Choices, progress: Progress, simulate: Callable[..., Result] = run_system
-) -> tuple[Outcome, Manifests]:
-    """Run the chapters chosen; returns the outcome, and label and manifest of each run."""
-    chosen = [section for chapter, sections in SECTIONS.items() if chapter in choices.selected for section in sections]
-    return conduct([section(choices) for section in chosen], progress, simulate)
+def sections(choices: Choices) -> list[Section]:
+    """Those of the chapters that are chosen."""
+    return [part(choices) for chapter in PARTS if chapter in choices.selected for part in PARTS[chapter]]
+
+
+run = study_of(sections)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import inf, isfinite
 from typing import Any
 
-from adcs.library.outcome import Claim, Outcome, Progress, claims_table, tally
-from adcs.library.sections import Manifests, Section, conduct, failed_at
+from adcs.library.outcome import Claim, Outcome, claims_table, tally
+from adcs.library.sections import Section, failed_at, study_of
 from adcs.library.trigo.conclusions import judged
 from adcs.library.trigo.departures import departures
 from adcs.library.trigo.loops import FIGURES, RATE_SCENARIOS, Plan, of_reading, plan, simulation, with_figures
@@ -29,7 +29,6 @@ from adcs.library.trigo.views import GROUPS, reference_panels, scenario_panels
 from orchestration.results.plots import Panel
 from orchestration.results.report import KeyNumber, Table
 from orchestration.results.result import Result
-from orchestration.running.run import run as run_system
 
 TITLE = "Five backstepping attitude controllers of a micro-satellite"
 SUMMARY = (
@@ -42,16 +41,17 @@ RATE_GROUP = "Other control rates"
 DIVERGING = tuple(Run(c, s, 5.0) for s in RATE_SCENARIOS for c in ("neso", "ii"))
 
 
-def run(
-    choices: Choices, progress: Progress, simulate: Callable[..., Result] = run_system
-) -> tuple[Outcome, Manifests]:
-    """Run everything; returns the outcome, and label and manifest of each run."""
+def sections(choices: Choices) -> list[Section]:
+    """The tables, what the text concludes, and where the reading of the tables departs from it."""
     rates = RATES if choices.other_rates else ()
     runs = with_figures(plan(AS_MADE, rates, choices)) | plan(AS_PRINTED, rates, choices) | plan(CORRECTED, (), choices)
-    sections = [_tables(runs, rates, choices), _conclusions(runs), departures(choices)]
+    made = [_tables(runs, rates, choices), _conclusions(runs), departures(choices)]
     if rates:
-        sections.insert(1, _diverging(choices))
-    return conduct(sections, progress, simulate)
+        made.insert(1, _diverging(choices))
+    return made
+
+
+run = study_of(sections)
 
 
 def _tables(runs: Plan, rates: Sequence[float], choices: Choices) -> Section:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from adcs.library.attitude import norm
 from adcs.library.sections import Simulation
 from orchestration.results.result import Result
-from orchestration.running.method import CoSimulation, ModelExchange
+from orchestration.running.method import ModelExchange
 from orchestration.system import System
 
 COUPLED = 0.0
@@ -20,20 +20,15 @@ def whole(result: Result) -> Result:
 
 
 def at_steps(
-    loops: Mapping[str, Callable[[], System]], record: Sequence[str], steps: Sequence[float], grid: float, stop: float
+    loops: Mapping[str, Callable[[], System]], steps: Sequence[float], grid: float, stop: float
 ) -> dict[tuple[str, float], Simulation]:
-    """Coupled solutions and co-simulations by (label, step [s]), all with rows at multiples of `grid` [s].
-
-    Of `record` each loop has what it has.
-    """
+    """Coupled solutions and co-simulations by (label, step [s]), all with rows at multiples of `grid` [s]."""
     runs = {}
     for label, build in loops.items():
-        for step in (COUPLED, *steps):
-            text = f"{label}, co-simulation at {1e3 * step:g} ms" if step else f"{label}, coupled"
-            system = build()
-            names = [name for name in record if name in system.outputs()]
-            method, every = (CoSimulation(), round(grid / step)) if step else (ModelExchange(), 1)
-            runs[label, step] = Simulation(text, system, whole, names, stop, step or grid, method, every)
+        runs[label, COUPLED] = Simulation(f"{label}, coupled", build(), whole, stop, grid, ModelExchange())
+        for step in steps:
+            text = f"{label}, co-simulation at {1e3 * step:g} ms"
+            runs[label, step] = Simulation(text, build(), whole, stop, step, every=round(grid / step))
     return runs
 
 

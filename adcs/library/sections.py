@@ -22,24 +22,25 @@ Manifests = list[tuple[str, Mapping[str, Any]]]
 class Simulation:
     """A run that is needed: the system, how it is run, and `view`, what is kept of its result.
 
-    Of one that `may_fail` the view gets what was recorded until then.
+    `record` are the variables of the result; None: all outputs. Of a run that `may_fail` the view gets what was
+    recorded until then.
     """
 
     label: str
     system: System
     view: Callable[[Result], Any]
-    record: Sequence[str]
     stop_time: float
     step: float
     method: Method = field(default_factory=CoSimulation)
     every: int = 1
     may_fail: bool = False
+    record: Sequence[str] | None = None
 
     @property
     def key(self) -> tuple[Any, ...]:
         """Equal for runs that are one and the same, however they are viewed."""
         parts = [(p.name, str(p.source), tuple(p.start.items()), p.every) for p in self.system.components.values()]
-        how = (tuple(self.record), self.stop_time, self.step, self.method, self.every)
+        how = (tuple(self.record or ()), self.stop_time, self.step, self.method, self.every)
         return (tuple(parts), tuple(self.system.connections), *how)
 
     def run(self, simulate: Callable[..., Result], progress: Callable[[float], None]) -> Result:

@@ -39,7 +39,7 @@ def halved(result: Any) -> float:
 
 
 def simulation(label: str, gain: float) -> Simulation:
-    return Simulation(label, system(gain), view, ["plant.q_BN"], 10.0, 0.1)
+    return Simulation(label, system(gain), view, 10.0, 0.1, record=["plant.q_BN"])
 
 
 def simulate(made: list[System]) -> Callable[..., Any]:

@@ -7,17 +7,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from adcs import AdcsError, ModelExchange, Save
+from adcs import AdcsError, ModelExchange
 from adcs import run as run_system
 from adcs.catalogue import STUDIES, SYSTEMS
 from adcs.library.outcome import Outcome
 from adcs.library.six_dof import study
 from adcs.library.six_dof.settings import Choices, Scaling
 from adcs.library.six_dof.signals import ATTITUDE, DELTA_V, FORCE, POSITION, TORQUE, signals
-from adcs.library.six_dof.systems import CATALOG, RECORD, saturated, six_dof
+from adcs.library.six_dof.systems import CATALOG, saturated, six_dof
 from tests.laws.six_dof_reference import Loop, S
 
-COUPLED: dict[str, Any] = {"method": ModelExchange(rtol=1e-10, atol=1e-9), "save": Save(RECORD)}
+COUPLED: dict[str, Any] = {"method": ModelExchange(rtol=1e-10, atol=1e-9)}
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +19,7 @@ from adcs.library.deruiter.signals import (
     distance_panel,
     signals,
 )
-from adcs.library.deruiter.systems import RECORD, RECORD_ERRORS, RECORD_OBSERVER, bounded_errors, exact_states, observer
+from adcs.library.deruiter.systems import bounded_errors, exact_states, observer
 from adcs.library.outcome import Claim, Outcome
 from adcs.library.sections import Section, Simulation
 from adcs.library.trajectory import Runs, Trajectory, norm_panel
@@ -37,18 +37,17 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class Case:
-    """A system, the guarantee for it, and what is recorded."""
+    """A system and the guarantee for it."""
 
     label: str
     group: str
     system: System
     guarantee: Guarantee
-    record: Sequence[str]
 
     def simulation(self, choices: Choices) -> Simulation:
         """Its run."""
         stop, method = choices.stop_time, ModelExchange()
-        return Simulation(self.label, self.system, signals, self.record, stop, OUTPUT_STEP, method)
+        return Simulation(self.label, self.system, signals, stop, OUTPUT_STEP, method)
 
 
 def guarantees(choices: Choices) -> dict[str, Guarantee]:
@@ -67,15 +66,15 @@ def cases(choices: Choices) -> list[Case]:
         guarantee.require(group.lower())
     exact, errors, seen = found.values()
     drawn = [
-        Case(f"phases {choices.seed + run}", ERRORS, bounded_errors(choices, run=run), errors, RECORD_ERRORS)
+        Case(f"phases {choices.seed + run}", ERRORS, bounded_errors(choices, run=run), errors)
         for run in range(choices.seeds)
     ]
     nominal = observer(choices, inertia=NOMINAL_INERTIA)
     return [
-        Case("exact states", EXACT, exact_states(choices, disturbed=True), exact, RECORD),
+        Case("exact states", EXACT, exact_states(choices, disturbed=True), exact),
         *drawn,
-        Case("observer knows the inertia", OBSERVER, observer(choices), seen, RECORD_OBSERVER),
-        Case("observer assumes the nominal inertia", OBSERVER, nominal, seen, RECORD_OBSERVER),
+        Case("observer knows the inertia", OBSERVER, observer(choices), seen),
+        Case("observer assumes the nominal inertia", OBSERVER, nominal, seen),
     ]
 
 
@@ -164,9 +163,7 @@ def _without_adaptation(groups: list[list[Case]], choices: Choices) -> Section:
         ERRORS: bounded_errors(choices, dead_zone=NO_ADAPTATION),
     }
     adapting = [members[0] for members in groups]
-    still = [
-        Case(f"{c.group.lower()}, without adaptation", "", resting[c.group], c.guarantee, RECORD) for c in adapting
-    ]
+    still = [Case(f"{c.group.lower()}, without adaptation", "", resting[c.group], c.guarantee) for c in adapting]
 
     def show(runs: Runs) -> Outcome:
         rows = []

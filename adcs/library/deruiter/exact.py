@@ -19,7 +19,7 @@ from adcs.library.deruiter.signals import (
     distance_panel,
     signals,
 )
-from adcs.library.deruiter.systems import RECORD, exact_states
+from adcs.library.deruiter.systems import exact_states
 from adcs.library.outcome import Claim, Outcome
 from adcs.library.sections import Section, Simulation
 from adcs.library.trajectory import Array, Runs, Trajectory, norm_panel
@@ -37,7 +37,7 @@ def exact(choices: Choices) -> Section:
     adaptation = {"adaptation as chosen": choices, f"adaptation {choices.fast:g} times faster": fast}
     stop, method = STRETCH * STRETCHES, ModelExchange()
     runs = {
-        name: Simulation(f"exact states, {name}", exact_states(c), signals, RECORD, stop, OUTPUT_STEP, method)
+        name: Simulation(f"exact states, {name}", exact_states(c), signals, stop, OUTPUT_STEP, method)
         for name, c in adaptation.items()
     }
 

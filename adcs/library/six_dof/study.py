@@ -22,7 +22,7 @@ from adcs.library.six_dof.signals import (
     VELOCITY,
     signals,
 )
-from adcs.library.six_dof.systems import RECORD, saturated, six_dof
+from adcs.library.six_dof.systems import saturated, six_dof
 from adcs.library.trajectory import Runs, Trajectory, norm_panel
 from orchestration.results.plots import Guide, Panel
 from orchestration.results.report import KeyNumber, Table
@@ -47,14 +47,12 @@ NEGLIGIBLE = {POSITION: 1e-6, VELOCITY: 1e-8, ATTITUDE: 1e-9, RATE: 1e-10}  # m,
 def sections(choices: Choices) -> list[Section]:
     """The theorem, and what the exchange step of a co-simulation costs."""
     stop, limits = choices.stop_time, (choices.max_force, choices.max_torque)
-    free = Simulation(FREE, six_dof(), signals, RECORD, stop, OUTPUT_STEP, COUPLED)
-    limited = Simulation(LIMITED, saturated(*limits), signals, RECORD, stop, OUTPUT_STEP, COUPLED)
+    free = Simulation(FREE, six_dof(), signals, stop, OUTPUT_STEP, COUPLED)
+    limited = Simulation(LIMITED, saturated(*limits), signals, stop, OUTPUT_STEP, COUPLED)
     si_units = six_dof(scaling=Scaling(1.0, 1.0, 1.0))
-    printed = Simulation(PRINTED, si_units, signals, RECORD, SHORT_STOP, SHORT_STEP, COUPLED)
+    printed = Simulation(PRINTED, si_units, signals, SHORT_STOP, SHORT_STEP, COUPLED)
     exchanged = {
-        step: Simulation(
-            f"co-simulation at {step:g} s", six_dof(), signals, RECORD, stop, step, every=round(GRID / step)
-        )
+        step: Simulation(f"co-simulation at {step:g} s", six_dof(), signals, stop, step, every=round(GRID / step))
         for step in STEPS
     }
     return [

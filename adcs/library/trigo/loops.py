@@ -26,7 +26,7 @@ def simulation(run: Run, reading: Reading, choices: Choices, reduced_gains: bool
     step = exchange_step(run.scenario, reading, run.rate)
     label = f"{CONTROLLERS[run.controller]}, {run.scenario}, {run.rate:g} Hz, {reading.name}"
     every = stride(step, run.rate)
-    return Simulation(label, system, measure, recorded(system), choices.stop_time, step, every=every)
+    return Simulation(label, system, measure, choices.stop_time, step, every=every, record=recorded(system))
 
 
 def plan(reading: Reading, rates: Sequence[float], choices: Choices) -> Plan:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from adcs.library.exchange import whole
 from adcs.library.outcome import Claim, Outcome
 from adcs.library.sections import Section, Simulation
 from adcs.library.trajectory import Quantity, Runs, Trajectory, norm_panel
@@ -45,9 +44,8 @@ PROBLEMS = (
 
 def problem(choices: Choices, which: Problem) -> Section:
     """One problem: does the ideal loop converge, and do the uncertain ones stay bounded?"""
-    stop, record = choices.stop_time, systems.RECORD
-    label = f"{which.name}, ideal"
-    runs = {IDEAL: Simulation(label, which.ideal(), signals, record, stop, OUTPUT_STEP, ModelExchange())}
+    stop, label = choices.stop_time, f"{which.name}, ideal"
+    runs = {IDEAL: Simulation(label, which.ideal(), signals, stop, OUTPUT_STEP, ModelExchange())}
     for i in range(choices.seeds):
         seed = choices.seed + i
         system = which.uncertain(Uncertainty(choices.hold_time, ERROR_BOUND, seed, choices.mass))
@@ -55,7 +53,6 @@ def problem(choices: Choices, which: Problem) -> Section:
             f"{which.name}, uncertain, seed {seed}",
             system,
             signals,
-            systems.RECORD_UNCERTAIN,
             stop,
             choices.step,
             every=max(1, round(OUTPUT_STEP / choices.step)),
@@ -138,7 +135,7 @@ def measurement_error(choices: Choices) -> Section:
         system.add("tracker", "RandomWalkStarTracker", start)
         stop = float(np.ceil(choices.stop_time))
         label = f"measurement error, hold {hold:g} s"
-        runs[hold] = Simulation(label, system, _walk, ["tracker.q_EB"], stop, hold)
+        runs[hold] = Simulation(label, system, _walk, stop, hold)
     title = "The statement on the measurement error"
     return Section("Measurement error", title, lambda found: _measurement_error(found, choices), runs)
 
@@ -171,19 +168,20 @@ def disturbance(choices: Choices) -> Section:
     for mass in MASSES:
         for stop in (choices.stop_time, ORBIT):
             system = systems.uncertain_stabilisation(Uncertainty(seed=choices.seed, mass=mass))
-            label, record = f"disturbance, {mass:g} kg, {stop:g} s", ["environment.torque_B"]
-            runs[mass, stop] = Simulation(label, system, whole, record, stop, OUTPUT_STEP)
+            label = f"disturbance, {mass:g} kg, {stop:g} s"
+            runs[mass, stop] = Simulation(label, system, _largest_torque, stop, OUTPUT_STEP)
     title = "The statements on the disturbance, and what is lost in print"
     return Section("Disturbance torque", title, lambda found: _disturbance(found, choices), runs)
 
 
-def _disturbance(runs: Mapping[tuple[float, float], Result], choices: Choices) -> Outcome:
+def _largest_torque(result: Result) -> float:
+    return float(np.linalg.norm(result["environment.torque_B"], axis=1).max())
+
+
+def _disturbance(runs: Mapping[tuple[float, float], float], choices: Choices) -> Outcome:
     claims, cells = [], []
     for mass in MASSES:
-        here, orbit = (
-            float(np.linalg.norm(runs[mass, stop]["environment.torque_B"], axis=1).max())
-            for stop in (choices.stop_time, ORBIT)
-        )
+        here, orbit = (runs[mass, stop] for stop in (choices.stop_time, ORBIT))
         cells.append([mass, here, orbit])
         claims.append(
             Claim("Sec. V", "disturbance torque does not exceed mu_d: largest [N.m]",

@@ -17,10 +17,6 @@ from adcs.library.velocity_free.settings import (
 )
 from orchestration.system import System
 
-RECORD = ("guidance.q_RN", "guidance.omega_RN_R", "plant.q_BN", "plant.omega_BN_B", "controller.torque_B")
-RECORD_UNCERTAIN = (*RECORD, "tracker.q_EB", "environment.torque_B")
-
-
 STABILISATION = ("velocity-free-stabilisation", "Stabilisation without rate measurement, everything known")
 TRACKING = ("velocity-free-tracking", "Attitude tracking without rate measurement, everything known")
 UNCERTAIN_STABILISATION = (

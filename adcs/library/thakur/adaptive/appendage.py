@@ -29,7 +29,7 @@ from adcs.library.thakur.adaptive.signals import (
     sigma_panel,
     theta_panel,
 )
-from adcs.library.thakur.adaptive.systems import RECORD_VARIABLE, appendage, appendage_full, comparison_appendage
+from adcs.library.thakur.adaptive.systems import appendage, appendage_full, comparison_appendage
 from adcs.library.thakur.choices import Choices
 from adcs.library.trajectory import Runs, Trajectory, norm_panel
 from orchestration.results.plots import Panel
@@ -43,11 +43,7 @@ REACHED = {RATE: 1e-3, ATTITUDE: 1e-4}  # deg/s and 1, below which the proposed 
 
 def moving_appendages(choices: Choices) -> Section:
     """The statements of Sec. 3.4.1 for each reading, and the figures for the printed one."""
-    builds = {
-        PROPOSED: (appendage, [*RECORD_VARIABLE, "controller.mass_est"]),
-        COMPARISON: (comparison_appendage, RECORD_VARIABLE),
-        FULL: (appendage_full, [*RECORD_VARIABLE, "controller.J_1_est"]),
-    }
+    builds = {PROPOSED: appendage, COMPARISON: comparison_appendage, FULL: appendage_full}
 
     def show(read: Read, full: Trajectory) -> Outcome:
         proposed = read["printed"][PROPOSED]

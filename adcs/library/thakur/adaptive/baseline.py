@@ -12,7 +12,7 @@ from adcs.library.sections import Section, Simulation
 from adcs.library.thakur.adaptive import settings as settings
 from adcs.library.thakur.adaptive.settings import FREQUENCIES, Reading
 from adcs.library.thakur.adaptive.signals import ATTITUDE, RATE, TORQUE, track
-from adcs.library.thakur.adaptive.systems import RECORD, baseline, comparison_baseline
+from adcs.library.thakur.adaptive.systems import baseline, comparison_baseline
 from adcs.library.thakur.choices import Choices
 from adcs.library.trajectory import Runs, norm_panel
 from orchestration.results.report import KeyNumber
@@ -29,9 +29,7 @@ SAME = 0.01  # a printed number is reproduced within this part of it
 def known_inertia(_: Choices) -> Section:
     """Fig. 3.3, and the claims that need no simulation."""
     runs = {
-        name: Simulation(
-            f"{name} law, known inertia, coupled", build(), track, RECORD, SHOWN, OUTPUT_STEP, ModelExchange()
-        )
+        name: Simulation(f"{name} law, known inertia, coupled", build(), track, SHOWN, OUTPUT_STEP, ModelExchange())
         for name, build in ((PROPOSED, baseline), (COMPARISON, comparison_baseline))
     }
 

@@ -36,15 +36,13 @@ from adcs.library.thakur.adaptive.signals import (
     sigma_panel,
     theta_panel,
 )
-from adcs.library.thakur.adaptive.systems import RECORD_VARIABLE, comparison_fuel, fuel, fuel_full
+from adcs.library.thakur.adaptive.systems import comparison_fuel, fuel, fuel_full
 from adcs.library.thakur.choices import Choices
 from adcs.library.trajectory import Runs, Trajectory, norm_panel
 from orchestration.results.plots import Guide, Panel, Series
 from orchestration.results.report import KeyNumber, Table
 
 WHERE = "Sec. 3.4.2"
-RECORD_FUEL = (*RECORD_VARIABLE, "plant.fuel_left", "plant.torque_impulse")
-RECORD_LAW = (*RECORD_FUEL, "controller.implementability")
 EARLY = 60.0  # s, the transient
 DECAY_FROM = 100.0  # s, from where the torque's peaks are compared
 SIGMA_RADIUS = hypot(settings.FUEL_PROJECTION["sigma_bound"], settings.FUEL_PROJECTION["sigma_margin"])
@@ -52,11 +50,7 @@ SIGMA_RADIUS = hypot(settings.FUEL_PROJECTION["sigma_bound"], settings.FUEL_PROJ
 
 def losing_fuel(choices: Choices) -> Section:
     """The statements of Sec. 3.4.2 for each reading, and the figures for the printed one."""
-    builds = {
-        PROPOSED: (fuel, [*RECORD_LAW, "controller.sigma_est"]),
-        COMPARISON: (comparison_fuel, RECORD_FUEL),
-        FULL: (fuel_full, [*RECORD_LAW, "controller.J_1_est"]),
-    }
+    builds = {PROPOSED: fuel, COMPARISON: comparison_fuel, FULL: fuel_full}
 
     def show(read: Read, full: Trajectory) -> Outcome:
         proposed = read["printed"][PROPOSED]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from adcs.library.outcome import Claim, Outcome
@@ -37,20 +37,20 @@ def last(run: Trajectory) -> Trajectory:
 def in_both_readings(
     number: str,
     name: str,
-    builds: Mapping[str, tuple[Callable[..., System], Sequence[str]]],
+    builds: Mapping[str, Callable[..., System]],
     show: Callable[[Read, Trajectory], Outcome],
 ) -> Section:
     """A section with both laws in each reading, and the full parametrisation in the printed one.
 
-    `builds` has what makes the systems, and what they record, by the name of the law.
+    `builds` has what makes the systems by the name of the law.
     """
     runs: dict[tuple[str, Reading], Simulation] = {}
-    for law, (build, record) in builds.items():
+    for law, build in builds.items():
         for reading in [reading for reading in FREQUENCIES if law != FULL or reading == "printed"]:
             text = "full parametrisation" if law == FULL else f"{law}, {label(reading)}"
             stop, method = settings.STOP_TIME, ModelExchange()
             system = build(reading)
-            runs[law, reading] = Simulation(f"{name}, {text}", system, track, record, stop, OUTPUT_STEP, method)
+            runs[law, reading] = Simulation(f"{name}, {text}", system, track, stop, OUTPUT_STEP, method)
 
     def shown(found: Mapping[Any, Trajectory]) -> Outcome:
         read = {reading: {law: found[law, reading] for law in (PROPOSED, COMPARISON)} for reading in FREQUENCIES}

@@ -9,7 +9,7 @@ import numpy as np
 from adcs.library.exchange import COUPLED, at_steps, whole
 from adcs.library.outcome import Outcome
 from adcs.library.sections import Section, Simulation, failed_at
-from adcs.library.thakur.adaptive.systems import RECORD, appendage, baseline, comparison_appendage, fuel
+from adcs.library.thakur.adaptive.systems import appendage, baseline, comparison_appendage, fuel
 from adcs.library.thakur.choices import Choices
 from orchestration.results.report import Table
 from orchestration.results.result import Result
@@ -44,7 +44,7 @@ FUEL_CASES = [
 
 def exchange_steps(_: Choices) -> Section:
     """Every loop at 1 ms and 10 ms: the largest difference of a component."""
-    runs = at_steps(SYSTEMS, RECORD, STEPS, GRID, STOP_TIME)
+    runs = at_steps(SYSTEMS, STEPS, GRID, STOP_TIME)
 
     def show(found: Mapping[tuple[str, float], Result]) -> Outcome:
         rows = [
@@ -66,13 +66,12 @@ def exchange_steps(_: Choices) -> Section:
 def fuel_limits(_: Choices) -> Section:
     """The limits of the sampled law for fuel loss, with the printed gains."""
     stop, exact = FUEL_STOP_TIME, (0.0, 0.0)
-    runs = {exact: Simulation("fuel, coupled, 40 s", fuel(), whole, RECORD, stop, GRID, ModelExchange())}
+    runs = {exact: Simulation("fuel, coupled, 40 s", fuel(), whole, stop, GRID, ModelExchange())}
     for step, internal in FUEL_CASES:
         runs[step, internal] = Simulation(
             f"fuel, exchange {1e3 * step:g} ms, internal {1e3 * internal:g} ms",
             fuel(max_internal_step=internal),
             whole,
-            RECORD,
             stop,
             step,
             every=round(GRID / step),

@@ -10,17 +10,6 @@ from adcs.library.thakur.adaptive import settings as settings
 from adcs.library.thakur.adaptive.settings import Reading
 from orchestration.system import System
 
-RECORD = (
-    "guidance.omega_RN_R",
-    "plant.q_BN",
-    "plant.omega_BN_B",
-    "controller.torque_B",
-    "controller.q_BR",
-    "controller.omega_BR_B",
-    "controller.theta_est",
-)
-RECORD_VARIABLE = (*RECORD, "plant.J_B")
-
 ESTIMATING = {"theta_est": settings.THETA_START}
 KNOWING = {"theta_est": settings.THETA}
 APPENDAGE = {**settings.ADAPTIVE_GAINS, **settings.APPENDAGE_ADAPTATION, **ESTIMATING}

@@ -12,7 +12,7 @@ from adcs.library.sections import Section, Simulation
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.gyro_free.settings import AT_REST_BY, PRINTED_C_R, PRINTED_P, Q_RN
 from adcs.library.thakur.gyro_free.signals import ANGLE, FILTER, LYAPUNOV, RATE, TORQUE, motion
-from adcs.library.thakur.gyro_free.systems import RECORD, RECORD_GYRO_FREE, gyro_free, gyro_free_full_state
+from adcs.library.thakur.gyro_free.systems import gyro_free, gyro_free_full_state
 from adcs.library.trajectory import Array, Runs, component_panel, norm_panel
 from orchestration.results.plots import Guide, Panel
 from orchestration.results.report import KeyNumber, Table
@@ -29,12 +29,13 @@ def noise_free(choices: Choices) -> Section:
     """The statements of the section one by one, and Figs. 4.1 and 4.2."""
     stop, method = choices.stop_time, ModelExchange()
     from_zero = gyro_free(controller={"filter_at_rest": 0})
+    own = gyro_free()
+    record = [*own.outputs(), "controller.P"]
+    full, text = gyro_free_full_state(), "full state on unit vectors, coupled"
     runs = {
-        GYRO_FREE: Simulation("gyro-free, coupled", gyro_free(), motion, RECORD_GYRO_FREE, stop, STEP, method),
-        FULL_STATE: Simulation(
-            "full state on unit vectors, coupled", gyro_free_full_state(), motion, RECORD, stop, STEP, method
-        ),
-        FROM_ZERO: Simulation(f"{FROM_ZERO}, coupled", from_zero, motion, RECORD_GYRO_FREE, stop, STEP, method),
+        GYRO_FREE: Simulation("gyro-free, coupled", own, motion, stop, STEP, method, record=record),
+        FULL_STATE: Simulation(text, full, motion, stop, STEP, method),
+        FROM_ZERO: Simulation(f"{FROM_ZERO}, coupled", from_zero, motion, stop, STEP, method),
     }
     return Section(
         "4.3.1  Vectors without noise", "The statements of Sec. 4.3.1", lambda found: _show(found, choices), runs

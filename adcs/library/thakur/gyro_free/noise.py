@@ -14,7 +14,7 @@ from adcs.library.thakur.choices import ALMOST_AN_ORDER, NO_WORSE, Choices
 from adcs.library.thakur.gyro_free.claims import FULL_STATE, GYRO_FREE
 from adcs.library.thakur.gyro_free.settings import HALF_ANGLE
 from adcs.library.thakur.gyro_free.signals import ANGLE, MEASURES, RATE, TORQUE, motion
-from adcs.library.thakur.gyro_free.systems import RECORD, gyro_free, gyro_free_full_state
+from adcs.library.thakur.gyro_free.systems import gyro_free, gyro_free_full_state
 from adcs.library.thakur.sequences import Steady, spread_of, steady
 from adcs.library.trajectory import Runs, Trajectory, norm_panel
 from orchestration.results.plots import Panel
@@ -42,7 +42,7 @@ Draws = Mapping[Key, list[Trajectory]]
 def exchanged(label: str, system: System, choices: Choices) -> Simulation:
     """A run of this chapter with noise."""
     every = round(OUTPUT_STEP / EXCHANGE)
-    return Simulation(label, system, motion, RECORD, choices.rest_stop_time, EXCHANGE, every=every)
+    return Simulation(label, system, motion, choices.rest_stop_time, EXCHANGE, every=every)
 
 
 def noisy(choices: Choices) -> Section:
@@ -67,7 +67,6 @@ def noisy(choices: Choices) -> Section:
             f"{control}, coupled",
             first,
             motion,
-            RECORD,
             choices.rest_stop_time,
             OUTPUT_STEP,
             ModelExchange(rtol=1e-7, atol=1e-9),

@@ -9,7 +9,7 @@ from adcs.library.outcome import Outcome
 from adcs.library.sections import Section
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.gyro_free.claims import FULL_STATE, GYRO_FREE
-from adcs.library.thakur.gyro_free.systems import RECORD, gyro_free, gyro_free_full_state
+from adcs.library.thakur.gyro_free.systems import gyro_free, gyro_free_full_state
 from orchestration.results.report import Table
 from orchestration.results.result import Result
 
@@ -35,5 +35,5 @@ def exchange_steps(choices: Choices) -> Section:
         columns = ["control", "exchange step [ms]", *COMPARED.values()]
         return Outcome(tables=[Table("Distance from the coupled solution", columns, rows, note)])
 
-    runs = at_steps(SYSTEMS, RECORD, STEPS, GRID, choices.stop_time)
+    runs = at_steps(SYSTEMS, STEPS, GRID, choices.stop_time)
     return Section("Chapter 4: co-simulation against the coupled solution", "", show, runs)

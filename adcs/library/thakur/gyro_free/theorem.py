@@ -12,7 +12,7 @@ from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.gyro_free.level import printed_level, resting_attitudes, start_value, sufficient_level
 from adcs.library.thakur.gyro_free.settings import Q_RN, Start
 from adcs.library.thakur.gyro_free.signals import ANGLE, TORQUE, motion
-from adcs.library.thakur.gyro_free.systems import RECORD, gyro_free
+from adcs.library.thakur.gyro_free.systems import gyro_free
 from adcs.library.trajectory import Trajectory
 from orchestration.results.plots import Guide, Panel, Series
 from orchestration.results.report import KeyNumber, Table
@@ -36,7 +36,7 @@ def theorem(choices: Choices) -> Section:
     for value, start in starts.items():
         label = "just below the level" if value is None else f"at rest at 180 deg, eigenvalue {value:.3g}"
         stop = 2 * choices.stop_time if value is None else REST_TIME
-        runs[value] = Simulation(f"gyro-free, {label}", gyro_free(start), motion, RECORD, stop, STEP, ModelExchange())
+        runs[value] = Simulation(f"gyro-free, {label}", gyro_free(start), motion, stop, STEP, ModelExchange())
 
     def show(found: Mapping[float | None, Trajectory]) -> Outcome:
         level, note = sufficient_level(), f"if V(0) is below; printed: {printed_level():.4g}, which is not enough"

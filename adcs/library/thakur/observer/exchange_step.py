@@ -12,7 +12,7 @@ from adcs.library.sections import Section
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.observer.noise_free import FULL_STATE, OBSERVER
 from adcs.library.thakur.observer.signals import ATTITUDE, ERRORS, signals
-from adcs.library.thakur.observer.systems import RECORD_OBSERVER, full_state_pd, observer_pd
+from adcs.library.thakur.observer.systems import full_state_pd, observer_pd
 from adcs.library.trajectory import Trajectory, norm_panel
 from orchestration.results.plots import Panel, Series
 from orchestration.results.report import KeyNumber, Table
@@ -36,7 +36,7 @@ Ladder = Mapping[tuple[str, float], Result]
 
 def exchange_step(choices: Choices) -> Section:
     """Both noise-free systems at several exchange steps: the largest difference of the states, and its order."""
-    runs = at_steps(SYSTEMS, RECORD_OBSERVER, STEPS, GRID, choices.stop_time)
+    runs = at_steps(SYSTEMS, STEPS, GRID, choices.stop_time)
 
     def show(found: Ladder) -> Outcome:
         outcome = Outcome()

@@ -25,7 +25,6 @@ NO_ERROR: Matrix = ((0.0,) * 3,) * 3
 ERRORS = {EXACT: NO_ERROR, FIRST: INERTIA_ERRORS[0], SECOND: INERTIA_ERRORS[1]}
 PRINTED_NORMS = {FIRST: 0.1, SECOND: 0.3}  # of the error over that of J
 SIMILAR = 1.2  # times of convergence are similar within this factor
-RECORD = ("plant.q_BN", "plant.omega_BN_B", "observer.q_EN", "observer.omega_EN_E")
 STEP = 0.1  # s
 
 
@@ -46,7 +45,7 @@ def inertia_errors(choices: Choices) -> Section:
     runs = {}
     for name, error in ERRORS.items():
         label, system = f"observer at zero torque, {name}", observer_inertia_error(error)
-        runs[name] = Simulation(label, system, estimation, RECORD, choices.stop_time, STEP, ModelExchange())
+        runs[name] = Simulation(label, system, estimation, choices.stop_time, STEP, ModelExchange())
 
     def show(found: Runs) -> Outcome:
         claims = [*_norms(), _magnitude(), *_moments(), *_transients(found, choices), *_residuals(found, choices)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from math import log10, radians
 
 from adcs.library.outcome import Claim, Outcome
@@ -18,7 +18,7 @@ from adcs.library.thakur.observer.signals import (
     TRACKING,
     signals,
 )
-from adcs.library.thakur.observer.systems import RECORD, RECORD_OBSERVER, full_state_pd, observer_pd
+from adcs.library.thakur.observer.systems import full_state_pd, observer_pd
 from adcs.library.thakur.sequences import Steady, spread_of, steady
 from adcs.library.trajectory import Trajectory, norm_panel
 from orchestration.results.plots import Panel
@@ -33,10 +33,7 @@ OTHER_PERIODS = (0.5, 2.0)  # s, to see what our choice of the redraw period doe
 # that of the small cone. Noise makes more digits than these meaningless.
 COUPLED = ModelExchange(rtol=1e-7, atol=1e-9)
 OUTPUT_STEP = 0.1  # s
-CONTROLS: dict[str, tuple[Callable[..., System], Sequence[str]]] = {
-    OBSERVER: (observer_pd, RECORD_OBSERVER),
-    FULL_STATE: (full_state_pd, RECORD),
-}
+CONTROLS: dict[str, Callable[..., System]] = {OBSERVER: observer_pd, FULL_STATE: full_state_pd}
 
 Key = tuple[str, float]  # control, half-angle in deg
 Draws = Mapping[Key, list[Trajectory]]
@@ -45,10 +42,9 @@ Draws = Mapping[Key, list[Trajectory]]
 
 def drawn(control: str, angle: float, period: float, seed: int, choices: Choices) -> Simulation:
     """The run with one noise sequence."""
-    build, record = CONTROLS[control]
     label = f"{control}, {angle:g} deg, redrawn every {period:g} s, seed {seed}"
-    system = build(half_angle=radians(angle), redraw_period=period, seed=seed)
-    return Simulation(label, system, signals, record, choices.stop_time, OUTPUT_STEP, COUPLED)
+    system = CONTROLS[control](half_angle=radians(angle), redraw_period=period, seed=seed)
+    return Simulation(label, system, signals, choices.stop_time, OUTPUT_STEP, COUPLED)
 
 
 def noisy(choices: Choices) -> Section:

@@ -23,7 +23,7 @@ from adcs.library.thakur.observer.signals import (
     TRACKING,
     signals,
 )
-from adcs.library.thakur.observer.systems import RECORD, RECORD_OBSERVER, full_state_pd, observer_pd
+from adcs.library.thakur.observer.systems import full_state_pd, observer_pd
 from adcs.library.trajectory import Runs, Trajectory, component_panel, having, norm_panel
 from orchestration.results.plots import Guide, Panel
 from orchestration.results.report import KeyNumber, Table
@@ -44,10 +44,10 @@ def noise_free(choices: Choices) -> Section:
     """The statements of the section one by one, and Figs. 5.1 and 5.2."""
     stop, method = choices.stop_time, ModelExchange()
     label, system = f"{FULL_STATE}, coupled", full_state_pd()
-    runs: dict[object, Simulation] = {FULL_STATE: Simulation(label, system, signals, RECORD, stop, OUTPUT_STEP, method)}
+    runs: dict[object, Simulation] = {FULL_STATE: Simulation(label, system, signals, stop, OUTPUT_STEP, method)}
     for scale in ESTIMATE_SCALES:
         label, system = f"observer, coupled, rate estimate {scale:g} x off", observer_pd(_start(scale))
-        runs[scale] = Simulation(label, system, signals, RECORD_OBSERVER, stop, OUTPUT_STEP, method)
+        runs[scale] = Simulation(label, system, signals, stop, OUTPUT_STEP, method)
 
     def show(found: Mapping[object, Trajectory]) -> Outcome:
         pair = {OBSERVER: found[1.0], FULL_STATE: found[FULL_STATE]}

@@ -13,7 +13,7 @@ from adcs.library.sections import Section
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.observer.noise_free import OUTPUT_STEP
 from adcs.library.thakur.observer.signals import ATTITUDE, ERRORS, RATE, RATE_ESTIMATE, TORQUE, signals
-from adcs.library.thakur.observer.systems import RECORD_OBSERVER, observer_pd, quest_observer_pd
+from adcs.library.thakur.observer.systems import observer_pd, quest_observer_pd
 from adcs.library.trajectory import component_panel
 from orchestration.results.plots import Panel, Series
 from orchestration.results.report import KeyNumber, Table
@@ -23,14 +23,13 @@ WHERE = "Sec. 5.4.3"
 QUEST, DIRECT = "QUEST", "quaternion"
 STEPS = (0.001, 0.01)  # s, exchange steps of co-simulation
 STATES = {"plant.q_BN": "q_BN", "plant.omega_BN_B": "ω_BN [rad/s]"}
-RECORD_QUEST = [*RECORD_OBSERVER, "quest.q_BN_est"]
 IDENTICAL = 1e-6  # of the peak; a printed curve shows about a thousandth
 
 
 def quest(choices: Choices) -> Section:
     """The loop of Fig. 5.1 with QUEST in place of the quaternion: what differs, and whether the sign ever jumps."""
-    runs = at_steps({QUEST: quest_observer_pd}, RECORD_QUEST, STEPS, OUTPUT_STEP, choices.stop_time)
-    runs |= at_steps({DIRECT: observer_pd}, RECORD_OBSERVER, (), OUTPUT_STEP, choices.stop_time)
+    runs = at_steps({QUEST: quest_observer_pd}, STEPS, OUTPUT_STEP, choices.stop_time)
+    runs |= at_steps({DIRECT: observer_pd}, (), OUTPUT_STEP, choices.stop_time)
     return Section(
         "5.4.3  Quaternion by QUEST", "The statements of Sec. 5.4.3", lambda found: _show(found, choices), runs
     )

@@ -12,7 +12,7 @@ from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.observer.noise import COUPLED, OUTPUT_STEP, SMALL, WHERE
 from adcs.library.thakur.observer.settings import Start
 from adcs.library.thakur.observer.signals import ATTITUDE, ERRORS, ESTIMATION, TORQUE, TRACKING, signals
-from adcs.library.thakur.observer.systems import RECORD_OBSERVER, observer_pd
+from adcs.library.thakur.observer.systems import observer_pd
 from adcs.library.thakur.sequences import residual_set, stays_small, steady
 from adcs.library.trajectory import Runs, norm_panel
 from orchestration.results.report import KeyNumber, Table
@@ -26,7 +26,7 @@ def random_starts(choices: Choices) -> Section:
     runs = {}
     for i, (name, start) in enumerate(starts.items()):
         label, system = f"random start {i + 1} of {len(starts)}", observer_pd(start, **_noise(choices, i))  # type: ignore[arg-type]
-        runs[name] = Simulation(label, system, signals, RECORD_OBSERVER, choices.stop_time, OUTPUT_STEP, COUPLED)
+        runs[name] = Simulation(label, system, signals, choices.stop_time, OUTPUT_STEP, COUPLED)
 
     def show(found: Runs) -> Outcome:
         late, part, every = choices.steady_from, choices.settled, list(found.values())

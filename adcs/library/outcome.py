@@ -62,6 +62,10 @@ class Claim:
         return dict(zip(COLUMNS, (*values, self.error, self.verdict, self.note), strict=True))
 
 
+Shown = Claim | Panel | Table | KeyNumber
+"""What a section of a study shows."""
+
+
 @dataclass
 class Outcome:
     """Claims, and panels, tables and key numbers for the report. Outcomes add up.
@@ -74,6 +78,18 @@ class Outcome:
     tables: list[Table] = field(default_factory=list)
     key_numbers: list[KeyNumber] = field(default_factory=list)
     counted: str = ""
+
+    @classmethod
+    def of(cls, shown: Iterable[Shown], counted: str = "") -> Outcome:
+        """What a section shows, by its kind."""
+        things = list(shown)
+        return cls(
+            [thing for thing in things if isinstance(thing, Claim)],
+            [thing for thing in things if isinstance(thing, Panel)],
+            [thing for thing in things if isinstance(thing, Table)],
+            [thing for thing in things if isinstance(thing, KeyNumber)],
+            counted,
+        )
 
     def __add__(self, other: Outcome) -> Outcome:
         return Outcome(

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, TypeVar
 
-from adcs.library.outcome import Outcome, Progress
+from adcs.library.outcome import Outcome, Progress, Shown
 from orchestration.results.result import Result, RunFailed
 from orchestration.running.method import CoSimulation, Method
 from orchestration.running.run import run
@@ -65,13 +65,15 @@ def failed_at(result: Result) -> float | None:
 class Section:
     """A part of a document: `runs` by the names that `show` gets them under, already as they were to be viewed.
 
-    `group` is its heading in the report, `title` that of the table of its claims.
+    `group` is its heading in the report, `title` that of the table of its claims; `counted` names the reading that
+    makes the score, where claims are judged in several.
     """
 
     group: str
     title: str
-    show: Callable[[Any], Outcome]
+    show: Callable[[Any], Iterable[Shown]]
     runs: Mapping[Any, Simulation] = field(default_factory=dict)
+    counted: str = ""
 
 
 def conduct(
@@ -98,7 +100,7 @@ def conduct(
     outcome = Outcome()
     for section in sections:
         shown = section.show({name: view(simulation) for name, simulation in section.runs.items()})
-        outcome += shown.within(section.group, section.title)
+        outcome += Outcome.of(shown, section.counted).within(section.group, section.title)
     return outcome, manifests
 
 

@@ -106,13 +106,13 @@ def test_what_is_guaranteed_with_the_choices_as_they_are() -> None:
 
 
 def test_design_tables() -> None:
-    outcome = study.design(Choices())
+    outcome = Outcome.of(study.design(Choices()))
     values, conditions = outcome.tables
     assert values.rows[0] == ["v_q, attitude estimation error", 0.0, 1e-3, 0.0]
     assert len(conditions.rows) == 7
     assert conditions.rows[0][3:] == ["0 < 0.3", "0.0003674 < 0.3", "0.001686 < 0.3"]
     assert "fails" not in str(conditions.rows)
-    without = study.design(Choices(lam=1e-4)).tables[1].rows
+    without = Outcome.of(study.design(Choices(lam=1e-4))).tables[1].rows
     assert [row[0] for row in without if "fails" in row[3]] == ["bound below 1"]
 
 

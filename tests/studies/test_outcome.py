@@ -41,6 +41,12 @@ def test_outcomes_add_up() -> None:
     assert one.claims == [NUMBER]
 
 
+def test_what_a_section_shows_is_sorted_by_kind() -> None:
+    panel, table, number = Panel("p", "y", []), Table("t", [], []), KeyNumber("k", 1)
+    outcome = Outcome.of(iter([table, NUMBER, number, panel, CLAIM]), "as made")
+    assert outcome == Outcome([NUMBER, CLAIM], [panel], [table], [number], "as made")
+
+
 def test_a_section_gives_its_heading_to_what_has_none_and_shows_its_claims_first() -> None:
     own = Outcome([CLAIM], [Panel("p", "y", [])], [Table("t", [], []), Table("u", [], [], group="other")])
     shown = own.within("5.1", "The statements")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,7 +11,7 @@ import pytest
 
 from adcs import AdcsError, System
 from adcs.library.choices import PART, Checked, Must, at_least, choice, positive
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim
 from adcs.library.sections import Section, Simulation, conduct
 from orchestration.results.result import RunFailed
 
@@ -57,9 +57,9 @@ def test_equal_runs_are_made_once_and_progress_counts_them() -> None:
     made: list[System] = []
     got: list[dict[str, float]] = []
 
-    def show(runs: dict[str, float]) -> Outcome:
+    def show(runs: dict[str, float]) -> Iterator[Claim]:
         got.append(runs)
-        return Outcome([Claim("Sec. 1", "a", "", "1", 1.0, True)])
+        yield Claim("Sec. 1", "a", "", "1", 1.0, True)
 
     sections = [
         Section("one", "", show, {"x": simulation("first", 1.0), "y": simulation("second", 2.0)}),
@@ -85,7 +85,7 @@ def test_a_run_that_fails_ends_the_study_unless_it_may() -> None:
     def fail(of: System, **_: Any) -> Any:
         raise RunFailed("beyond the range of numbers", Recorded(of))  # type: ignore[arg-type]
 
-    section = Section("g", "", lambda runs: Outcome([Claim("", "", "", "", runs["x"], True)]))
+    section = Section("g", "", lambda runs: [Claim("", "", "", "", runs["x"], True)])
     with pytest.raises(RunFailed):
         conduct([replace(section, runs={"x": simulation("a", 1.0)})], simulate=fail)
     outcome, _ = conduct([replace(section, runs={"x": replace(simulation("a", 1.0), may_fail=True)})], simulate=fail)

@@ -192,7 +192,7 @@ class TestNoise:
         choices = Choices(stop_time=100.0, steady_from=90.0, draws=1)
         runs = {angle: noise.drawn(OBSERVER, angle, 0.5, 1, choices) for angle in (0.05, 0.5)}
         found: dict[float, Trajectory] = {}
-        conduct([Section("", "", lambda seen: found.update(seen) or Outcome(), runs)])
+        conduct([Section("", "", lambda seen: found.update(seen) or [], runs)])
         a, b = (steady([run], choices.steady_from) for run in found.values())
         assert 1e-5 < a[RATE_ESTIMATE] < 1e-3  # 1e-8 without noise
         assert b[ATTITUDE_ESTIMATE] / a[ATTITUDE_ESTIMATE] == pytest.approx(10, rel=0.05)

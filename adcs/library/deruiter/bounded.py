@@ -20,7 +20,7 @@ from adcs.library.deruiter.signals import (
     signals,
 )
 from adcs.library.deruiter.systems import bounded_errors, exact_states, observer
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim, Shown
 from adcs.library.sections import Section, Simulation
 from adcs.library.trajectory import Runs, Trajectory, norm_panel
 from orchestration.results.plots import Guide, Panel
@@ -88,15 +88,17 @@ def bounded(choices: Choices) -> list[Section]:
 def _section(members: list[Case], choices: Choices) -> Section:
     group, guarantee = members[0].group, members[0].guarantee
 
-    def show(runs: Runs) -> Outcome:
-        claims = [claim for case in members for claim in _claims(case, runs[case.label], choices)]
+    def show(runs: Runs) -> Iterator[Shown]:
+        for case in members:
+            yield from _claims(case, runs[case.label], choices)
+        yield _sequence(group, guarantee)
         premises = [row for case in members for row in _premises(case, runs[case.label], choices)]
         columns = ["run", "error", "bound taken", f"largest from {choices.steady_from:g} s on", "holds"]
-        tables = [Table("What the theorem presupposes of the estimates", columns, premises)] if premises else []
+        if premises:
+            yield Table("What the theorem presupposes of the estimates", columns, premises)
         worst = max(run.after(choices.steady_from).peak(ATTITUDE) for run in runs.values())
-        number = KeyNumber(f"{group}: attitude error", worst, "", f"guaranteed: {guarantee.q_limit:.3g}")
-        panels = _panels(runs, guarantee, group, choices)
-        return Outcome([*claims, _sequence(group, guarantee)], panels, tables, [number])
+        yield KeyNumber(f"{group}: attitude error", worst, "", f"guaranteed: {guarantee.q_limit:.3g}")
+        yield from _panels(runs, guarantee, group, choices)
 
     simulations = {case.label: case.simulation(choices) for case in members}
     return Section(group, "The statements of Theorem 1", show, simulations)
@@ -165,7 +167,7 @@ def _without_adaptation(groups: list[list[Case]], choices: Choices) -> Section:
     adapting = [members[0] for members in groups]
     still = [Case(f"{c.group.lower()}, without adaptation", "", resting[c.group], c.guarantee) for c in adapting]
 
-    def show(runs: Runs) -> Outcome:
+    def show(runs: Runs) -> Iterator[Shown]:
         rows = []
         for one, other in zip(adapting, still, strict=True):
             tails = [runs[case.label].after(choices.steady_from) for case in (one, other)]
@@ -176,7 +178,7 @@ def _without_adaptation(groups: list[list[Case]], choices: Choices) -> Section:
             "does so without any. The tests compare the 24 estimates themselves, and the Lyapunov function."
         )
         columns = ["case", "error", "bound", "with adaptation", "without adaptation"]
-        return Outcome(tables=[Table("With and without adaptation", columns, rows, note)])
+        yield Table("With and without adaptation", columns, rows, note)
 
     simulations = {case.label: case.simulation(choices) for case in (*adapting, *still)}
     return Section("What the bounds do not show", "", show, simulations)

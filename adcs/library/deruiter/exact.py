@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 
@@ -20,7 +21,7 @@ from adcs.library.deruiter.signals import (
     signals,
 )
 from adcs.library.deruiter.systems import exact_states
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim, Shown
 from adcs.library.sections import Section, Simulation
 from adcs.library.trajectory import Array, Runs, Trajectory, norm_panel
 from orchestration.results.plots import Panel, Series
@@ -41,20 +42,15 @@ def exact(choices: Choices) -> Section:
         for name, c in adaptation.items()
     }
 
-    def show(found: Runs) -> Outcome:
+    def show(found: Runs) -> Iterator[Shown]:
         slow, quick = found
-        claims = [
-            _slow_modes(slow, found[slow]),
-            _convergence(quick, found[quick]),
-            *(_edge(name, run, choices) for name, run in found.items()),
-        ]
-        panels = [
-            norm_panel(ATTITUDE, found),
-            norm_panel(RATE, found),
-            _lyapunov_panel(found, adaptation),
-            distance_panel(found, choices.epsilon),
-        ]
-        return Outcome(claims, panels)
+        yield _slow_modes(slow, found[slow])
+        yield _convergence(quick, found[quick])
+        yield from (_edge(name, run, choices) for name, run in found.items())
+        yield norm_panel(ATTITUDE, found)
+        yield norm_panel(RATE, found)
+        yield _lyapunov_panel(found, adaptation)
+        yield distance_panel(found, choices.epsilon)
 
     return Section("Exact states, no disturbance", "Convergence and projection", show, runs)
 

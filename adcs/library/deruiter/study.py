@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from adcs.library.deruiter.bounded import bounded, guarantees
 from adcs.library.deruiter.design import Condition, Guarantee
 from adcs.library.deruiter.exact import exact
 from adcs.library.deruiter.settings import Choices
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim, Shown
 from adcs.library.sections import Section, study_of
 from orchestration.results.report import Table
 
@@ -24,14 +24,14 @@ SUMMARY = (
 def sections(choices: Choices) -> list[Section]:
     """What is known before any run, the runs under disturbance, those without, and misprints."""
     before = Section("Design", "", lambda _: design(choices))
-    misprints = Section("Misprints", "Misprints", lambda _: Outcome(errata(choices)))
+    misprints = Section("Misprints", "Misprints", lambda _: errata(choices))
     return [before, *bounded(choices), exact(choices), misprints]
 
 
 run = study_of(sections)
 
 
-def design(choices: Choices) -> Outcome:
+def design(choices: Choices) -> Iterator[Shown]:
     """What is known before any run: the terms, the dead zone, Algorithm 1, and every condition."""
     found = guarantees(choices)
     quantities: list[tuple[str, Callable[[Guarantee], float]]] = [
@@ -47,13 +47,13 @@ def design(choices: Choices) -> Outcome:
         ("2 r̄, bound on |δω| [rad/s]", lambda g: g.rate_limit),
     ]
     rows = [[name, *(value(g) for g in found.values())] for name, value in quantities]
-    table = Table("What is guaranteed", ["quantity", *(name.lower() for name in found)], rows)
+    yield Table("What is guaranteed", ["quantity", *(name.lower() for name in found)], rows)
     conditions = [
         [same[0].name, same[0].source, same[0].statement, *(_numbers(c) for c in same)]
         for same in zip(*(g.conditions for g in found.values()), strict=True)
     ]
     columns = ["condition", "source", "statement", *(name.lower() for name in found)]
-    return Outcome(tables=[table, Table("The conditions of the theorem", columns, conditions)])
+    yield Table("The conditions of the theorem", columns, conditions)
 
 
 def _numbers(condition: Condition) -> str:

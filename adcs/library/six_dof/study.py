@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim, Shown
 from adcs.library.sections import Section, Simulation, study_of
 from adcs.library.six_dof.settings import LENGTH_UNIT, MASS_UNIT, TIME_UNIT, Choices, Scaling
 from adcs.library.six_dof.signals import (
@@ -69,10 +69,14 @@ def sections(choices: Choices) -> list[Section]:
 run = study_of(sections)
 
 
-def _theorem(runs: Runs, choices: Choices) -> Outcome:
-    claims = [*_convergence(runs), _blind(), *ERRATA]
-    tables = [_settling_table(runs, choices), _effort_table(runs)]
-    return Outcome(claims, _panels(runs, choices), tables, _key_numbers(runs, choices))
+def _theorem(runs: Runs, choices: Choices) -> Iterator[Shown]:
+    yield from _convergence(runs)
+    yield _blind()
+    yield from ERRATA
+    yield from _panels(runs, choices)
+    yield _settling_table(runs, choices)
+    yield _effort_table(runs)
+    yield from _key_numbers(runs, choices)
 
 
 def _convergence(runs: Runs) -> Iterator[Claim]:
@@ -154,7 +158,7 @@ def _key_numbers(runs: Runs, choices: Choices) -> list[KeyNumber]:
     ]
 
 
-def _exchange_step(runs: Mapping[object, Trajectory]) -> Outcome:
+def _exchange_step(runs: Mapping[object, Trajectory]) -> Iterator[Shown]:
     coupled = runs["coupled"].every(round(GRID / OUTPUT_STEP))
     cells: list[list[object]] = []
     for step in STEPS:
@@ -165,4 +169,4 @@ def _exchange_step(runs: Mapping[object, Trajectory]) -> Outcome:
     note = "Largest difference of the norms of the errors from the coupled solution, each second. "
     note += "Force and torque are held for a step."
     columns = ["exchange step [s]", "‖e_R‖ [m]", "‖e_ε‖", "velocity increment [m/s]"]
-    return Outcome(tables=[Table("Co-simulation", columns, cells, note)])
+    yield Table("Co-simulation", columns, cells, note)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-from adcs.library.outcome import Outcome
+from adcs.library.outcome import Shown
 from adcs.library.sections import Section, Simulation
 from adcs.library.trigo.loops import simulation
 from adcs.library.trigo.metrics import Metrics
@@ -60,7 +60,7 @@ def departures(choices: Choices) -> Section:
         runs[departure.run] = simulation(departure.run, AS_MADE, choices)
         runs[departure] = simulation(departure.run, undone(departure), choices)
 
-    def show(found: Mapping[Run | Departure, Metrics]) -> Outcome:
+    def show(found: Mapping[Run | Departure, Metrics]) -> Iterator[Shown]:
         rows: list[list[object]] = []
         for departure in DEPARTURES:
             cell = known[departure.run, departure.measure]
@@ -72,7 +72,6 @@ def departures(choices: Choices) -> Section:
             "Each line is the reading of the tables with only this departure taken back. Fitted: a number chosen to "
             "meet several cells. Chosen: one of a few possible readings, picked because its cells agree."
         )
-        table = Table("Departures from the text, one by one", [*columns, "this one as in the text"], rows, note)
-        return Outcome(tables=[table])
+        yield Table("Departures from the text, one by one", [*columns, "this one as in the text"], rows, note)
 
     return Section("Readings", "", show, runs)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import inf, isfinite
 from typing import Any
 
-from adcs.library.outcome import Claim, Outcome, claims_table, tally
+from adcs.library.outcome import Claim, Shown, claims_table, tally
 from adcs.library.sections import Section, failed_at, study_of
 from adcs.library.trigo.conclusions import judged
 from adcs.library.trigo.departures import departures
@@ -57,9 +57,9 @@ run = study_of(sections)
 def _tables(runs: Plan, rates: Sequence[float], choices: Choices) -> Section:
     """Tables 9.6 to 9.19, and the figures."""
 
-    def show(found: Mapping[Any, Any]) -> Outcome:
+    def show(found: Mapping[Any, Any]) -> Iterator[Shown]:
         metrics = {name: of_reading(found, reading) for name, reading in READINGS.items()}
-        claims, tables = [], []
+        claims = []
         for table in TABLES:
             those = [cell for cell in cells(rates) if cell.table == table]
             made, literal = (
@@ -67,10 +67,12 @@ def _tables(runs: Plan, rates: Sequence[float], choices: Choices) -> Section:
             )
             claims += [claim for pair in zip(made, literal, strict=True) for claim in pair]
             if those:
-                tables.append(_table(table, those, made, literal, metrics[CORRECTED.name]))
-        return Outcome(claims, _panels(found), tables, _key_numbers(claims), counted=AS_MADE.name)
+                yield _table(table, those, made, literal, metrics[CORRECTED.name])
+        yield from claims
+        yield from _panels(found)
+        yield from _key_numbers(claims)
 
-    return Section("", "", show, runs)
+    return Section("", "", show, runs, counted=AS_MADE.name)
 
 
 def _panels(found: Mapping[Any, Any]) -> list[Panel]:
@@ -124,17 +126,13 @@ def _diverging(choices: Choices) -> Section:
         run: replace(one, label=f"{one.label}, gains of 10 Hz", view=_end, may_fail=True) for run, one in runs.items()
     }
 
-    def show(found: Mapping[Run, tuple[str, bool]]) -> Outcome:
-        claims = []
+    def show(found: Mapping[Run, tuple[str, bool]]) -> Iterator[Shown]:
         for run, (ours, holds) in found.items():
-            claims.append(
-                Claim("Sec. 9.3.5", f"{CONTROLLERS[run.controller]}, {run.scenario}, 5 Hz with the gains of 10 Hz",
-                      AS_MADE.name,
-                      "diverges", ours, holds,
-                      "diverged: a pointing error above 1 deg while scanning, or values without end",
-                      reading=AS_MADE.name)
-            )  # fmt: skip
-        return Outcome(claims)
+            yield Claim("Sec. 9.3.5", f"{CONTROLLERS[run.controller]}, {run.scenario}, 5 Hz with the gains of 10 Hz",
+                        AS_MADE.name,
+                        "diverges", ours, holds,
+                        "diverged: a pointing error above 1 deg while scanning, or values without end",
+                        reading=AS_MADE.name)  # fmt: skip
 
     return Section(RATE_GROUP, "At 5 Hz with the gains of 10 Hz", show, runs)
 
@@ -148,11 +146,11 @@ def _end(result: Result) -> tuple[str, bool]:
 
 
 def _conclusions(runs: Plan) -> Section:
-    def show(found: Mapping[Any, Any]) -> Outcome:
-        metrics = {name: of_reading(found, reading) for name, reading in READINGS.items()}
-        judgements = {name: list(judged(metrics[name], reading)) for name, reading in READINGS.items()}
-        tables = [claims_table(claims, f"What the text concludes, {name}") for name, claims in judgements.items()]
-        return Outcome([claim for claims in judgements.values() for claim in claims], tables=tables)
+    def show(found: Mapping[Any, Any]) -> Iterator[Shown]:
+        for name, reading in READINGS.items():
+            claims = list(judged(of_reading(found, reading), reading))
+            yield from claims
+            yield claims_table(claims, f"What the text concludes, {name}")
 
     return Section("Conclusions", "", show, runs)
 

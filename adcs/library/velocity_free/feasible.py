@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim, Shown
 from adcs.library.sections import Section
 from adcs.library.velocity_free.gain_region import (
     A_RANGE,
@@ -39,10 +39,8 @@ def feasible(choices: Choices) -> Section:
     return Section(GROUP, "The statements on the gains", lambda _: _feasible(choices))
 
 
-def _feasible(choices: Choices) -> Outcome:
-    claims: list[Claim] = []
+def _feasible(choices: Choices) -> Iterator[Shown]:
     cells: list[list[object]] = []
-    panels = []
     regions: dict[str, Region] = {}
     gains = np.array([GAINS["a"]]), np.array([GAINS["b"]])
     for case, (figure, bounds) in CASES.items():
@@ -56,15 +54,14 @@ def _feasible(choices: Choices) -> Outcome:
             residual = float(at.residual[0]) if found[0] > 0 else None
             cells.append([case, label, drawn[label].share, *values, "yes" if found[0] > 0 else "no", residual])
             if label == RIGOROUS:
-                claims.append(_gains_lie_inside(case, figure, float(found[0])))
+                yield _gains_lie_inside(case, figure, float(found[0]))
         regions[case] = drawn[RIGOROUS]
-        panels.append(_panel(case, figure, drawn))
-    claims += [_no_smaller(regions), _start_rate(choices)]
-    numbers = [
-        KeyNumber(f"{case.capitalize()}: feasible part of the square", found.share, "", f"bound {RIGOROUS}")
-        for case, found in regions.items()
-    ]
-    return Outcome(claims, panels, [_table(cells)], numbers)
+        yield _panel(case, figure, drawn)
+        share = regions[case].share
+        yield KeyNumber(f"{case.capitalize()}: feasible part of the square", share, "", f"bound {RIGOROUS}")
+    yield _no_smaller(regions)
+    yield _start_rate(choices)
+    yield _table(cells)
 
 
 def _gains_lie_inside(case: str, figure: str, margin: float) -> Claim:

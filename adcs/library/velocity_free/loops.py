@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim, Shown
 from adcs.library.sections import Section, Simulation
 from adcs.library.trajectory import Quantity, Runs, Trajectory, norm_panel
 from adcs.library.velocity_free import systems
@@ -61,12 +61,14 @@ def problem(choices: Choices, which: Problem) -> Section:
     return Section(group, f"The statements on {which.name}", lambda found: _problem(found, choices, which), runs)
 
 
-def _problem(runs: Runs, choices: Choices, which: Problem) -> Outcome:
+def _problem(runs: Runs, choices: Choices, which: Problem) -> Iterator[Shown]:
     uncertain = [run for label, run in runs.items() if label != IDEAL]
-    claims = [*_ideal(which, runs[IDEAL]), *_uncertain(which, runs[IDEAL], uncertain, choices)]
     worst = max(run.after(choices.steady_from).peak(ATTITUDE) for run in uncertain)
-    number = KeyNumber(f"{which.name.capitalize()}: attitude error stays below", worst, "", "with all uncertainties")
-    return Outcome(claims, _panels(runs, choices, which), [_table(which, uncertain, choices)], [number])
+    yield KeyNumber(f"{which.name.capitalize()}: attitude error stays below", worst, "", "with all uncertainties")
+    yield from _ideal(which, runs[IDEAL])
+    yield from _uncertain(which, runs[IDEAL], uncertain, choices)
+    yield from _panels(runs, choices, which)
+    yield _table(which, uncertain, choices)
 
 
 def _ideal(which: Problem, ideal: Trajectory) -> Iterator[Claim]:
@@ -140,7 +142,7 @@ def measurement_error(choices: Choices) -> Section:
     return Section("Measurement error", title, lambda found: _measurement_error(found, choices), runs)
 
 
-def _measurement_error(runs: Mapping[float, Trajectory], choices: Choices) -> Outcome:
+def _measurement_error(runs: Mapping[float, Trajectory], choices: Choices) -> Iterator[Shown]:
     cells: list[list[object]] = []
     for hold, run in runs.items():
         out = run.time[run.norm(WALK) > ERROR_BOUND]
@@ -149,7 +151,7 @@ def _measurement_error(runs: Mapping[float, Trajectory], choices: Choices) -> Ou
     largest = {hold: run.peak(WALK) for hold, run in runs.items()}
     below = ", ".join(f"{hold:g} s" for hold, size in largest.items() if size < ERROR_BOUND) or "none of those tried"
     size = largest.get(choices.hold_time, np.inf)
-    claim = Claim("Fig. 3b", "measurement error stays below mu_v by itself: largest",
+    yield Claim("Fig. 3b", "measurement error stays below mu_v by itself: largest",
                   f"no bound, rate held for {choices.hold_time:g} s",
                   f"< {ERROR_BOUND:g}", size if size < np.inf else max(largest.values()), size < ERROR_BOUND,
                   f"a random walk: it stays below only for holds of {below}; the runs above keep the bound by "
@@ -159,7 +161,7 @@ def _measurement_error(runs: Mapping[float, Trajectory], choices: Choices) -> Ou
         "The random rate is drawn anew after each hold. As the hold goes to 0 so does the error, like its root: the "
         "text's 'at each simulation time' has no limit, and its figure depends on the integrator's step."
     )
-    return Outcome([claim], tables=[Table("The random walk without bound", columns, cells, note)])
+    yield Table("The random walk without bound", columns, cells, note)
 
 
 def disturbance(choices: Choices) -> Section:
@@ -178,20 +180,19 @@ def _largest_torque(result: Result) -> float:
     return float(np.linalg.norm(result["environment.torque_B"], axis=1).max())
 
 
-def _disturbance(runs: Mapping[tuple[float, float], float], choices: Choices) -> Outcome:
-    claims, cells = [], []
+def _disturbance(runs: Mapping[tuple[float, float], float], choices: Choices) -> Iterator[Shown]:
+    cells = []
     for mass in MASSES:
         here, orbit = (runs[mass, stop] for stop in (choices.stop_time, ORBIT))
         cells.append([mass, here, orbit])
-        claims.append(
-            Claim("Sec. V", "disturbance torque does not exceed mu_d: largest [N.m]",
-                  f"stabilisation, {mass:g} kg, {choices.stop_time:g} s",
-                  f"<= {TORQUE_BOUND:g}", here, here <= TORQUE_BOUND,
-                  f"{orbit:.2e} N.m over an orbit; nearly all is the oblateness force at its lever arm, "
-                  "proportional to the mass, which is missing in print")
-        )  # fmt: skip
+        yield Claim("Sec. V", "disturbance torque does not exceed mu_d: largest [N.m]",
+                    f"stabilisation, {mass:g} kg, {choices.stop_time:g} s",
+                    f"<= {TORQUE_BOUND:g}", here, here <= TORQUE_BOUND,
+                    f"{orbit:.2e} N.m over an orbit; nearly all is the oblateness force at its lever arm, "
+                    "proportional to the mass, which is missing in print")  # fmt: skip
     columns = ["mass [kg]", f"over {choices.stop_time:g} s [N·m]", "over an orbit [N·m]"]
-    return Outcome([*claims, *ERRATA], tables=[Table("Largest disturbance torque", columns, cells)])
+    yield from ERRATA
+    yield Table("Largest disturbance torque", columns, cells)
 
 
 ERRATA = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim, Shown
 from adcs.library.sections import Section
 from adcs.library.thakur.adaptive import settings as settings
 from adcs.library.thakur.adaptive.baseline import COMPARISON, PROPOSED
@@ -45,15 +45,17 @@ def moving_appendages(choices: Choices) -> Section:
     """The statements of Sec. 3.4.1 for each reading, and the figures for the printed one."""
     builds = {PROPOSED: appendage, COMPARISON: comparison_appendage, FULL: appendage_full}
 
-    def show(read: Read, full: Trajectory) -> Outcome:
+    def show(read: Read, full: Trajectory) -> Iterator[Shown]:
         proposed = read["printed"][PROPOSED]
-        claims = []
         for reading, runs in read.items():
-            claims += [*_errors(runs, reading, choices), *_effort(runs, reading)]
-        claims += [_inertia(proposed), *estimates(WHERE, proposed, full, choices)]
-        number = KeyNumber("Appendage: rate error at 400 s", proposed.end(RATE), "deg/s", "printed: below 0.001 deg/s")
-        tables = [_levels(read), convergence_table(read, full)]
-        return Outcome(claims, _panels(read["printed"], full), tables, [number])
+            yield from _errors(runs, reading, choices)
+            yield from _effort(runs, reading)
+        yield _inertia(proposed)
+        yield from estimates(WHERE, proposed, full, choices)
+        yield KeyNumber("Appendage: rate error at 400 s", proposed.end(RATE), "deg/s", "printed: below 0.001 deg/s")
+        yield from _panels(read["printed"], full)
+        yield _levels(read)
+        yield convergence_table(read, full)
 
     return in_both_readings("3.4.1  Deployable appendage", "appendage", builds, show)
 

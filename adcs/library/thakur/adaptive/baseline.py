@@ -7,7 +7,7 @@ from math import hypot, sqrt
 
 import numpy as np
 
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim, Shown
 from adcs.library.sections import Section, Simulation
 from adcs.library.thakur.adaptive import settings as settings
 from adcs.library.thakur.adaptive.settings import FREQUENCIES, Reading
@@ -33,16 +33,16 @@ def known_inertia(_: Choices) -> Section:
         for name, build in ((PROPOSED, baseline), (COMPARISON, comparison_baseline))
     }
 
-    def show(pair: Runs) -> Outcome:
+    def show(pair: Runs) -> Iterator[Shown]:
         shown = {name: run.until(DRAWN) for name, run in pair.items()}
-        panels = [
-            norm_panel(RATE, shown, "Fig. 3.3  Rate tracking error"),
-            norm_panel(ATTITUDE, shown, "Fig. 3.3  Attitude tracking error"),
-            norm_panel(TORQUE, shown, "Fig. 3.3  Control torque", log=False),
-        ]
         least, note = min(run.settled(RATE, 0.02) for run in pair.values()), "first of both laws, to 2% of its peak"
-        numbers = [KeyNumber("Known inertia: rate error converged", least, "s", note)]
-        return Outcome([*_similar(pair), *_numbers(), *SIGNS], panels, [], numbers)
+        yield from _similar(pair)
+        yield from _numbers()
+        yield from SIGNS
+        yield norm_panel(RATE, shown, "Fig. 3.3  Rate tracking error")
+        yield norm_panel(ATTITUDE, shown, "Fig. 3.3  Attitude tracking error")
+        yield norm_panel(TORQUE, shown, "Fig. 3.3  Control torque", log=False)
+        yield KeyNumber("Known inertia: rate error converged", least, "s", note)
 
     title = "The statements on known inertia, and what is printed"
     return Section("3.4  Constant and known inertia", title, show, runs)

@@ -7,7 +7,7 @@ from math import hypot
 
 import numpy as np
 
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim, Shown
 from adcs.library.sections import Section
 from adcs.library.thakur.adaptive import settings as settings
 from adcs.library.thakur.adaptive.baseline import ALIKE, COMPARISON, PROPOSED, alike
@@ -52,17 +52,20 @@ def losing_fuel(choices: Choices) -> Section:
     """The statements of Sec. 3.4.2 for each reading, and the figures for the printed one."""
     builds = {PROPOSED: fuel, COMPARISON: comparison_fuel, FULL: fuel_full}
 
-    def show(read: Read, full: Trajectory) -> Outcome:
+    def show(read: Read, full: Trajectory) -> Iterator[Shown]:
         proposed = read["printed"][PROPOSED]
-        claims = []
         for reading, runs in read.items():
-            claims += [*_errors(runs, reading), *_law(runs, reading)]
+            yield from _errors(runs, reading)
+            yield from _law(runs, reading)
         for reading, runs in read.items():
-            claims += [_bounded(runs[PROPOSED], reading), *_inertia(runs, reading)]
-        claims += estimates(WHERE, proposed, full, choices)
+            yield _bounded(runs[PROPOSED], reading)
+            yield from _inertia(runs, reading)
+        yield from estimates(WHERE, proposed, full, choices)
         note = "positive: the law is defined, Eq. (3.39)"
-        number = KeyNumber("Fuel loss: least 1 - ‖Ĵ₁Ω‖", proposed.least(MARGIN), "", note)
-        return Outcome(claims, _panels(read["printed"], full), [_ends(read), convergence_table(read, full)], [number])
+        yield KeyNumber("Fuel loss: least 1 - ‖Ĵ₁Ω‖", proposed.least(MARGIN), "", note)
+        yield from _panels(read["printed"], full)
+        yield _ends(read)
+        yield convergence_table(read, full)
 
     return in_both_readings("3.4.2  Fuel loss", "fuel", builds, show)
 

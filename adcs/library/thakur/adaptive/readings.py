@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim, Shown
 from adcs.library.sections import Section, Simulation
 from adcs.library.thakur.adaptive import settings as settings
 from adcs.library.thakur.adaptive.baseline import COMPARISON, OUTPUT_STEP, PROPOSED
@@ -38,7 +38,7 @@ def in_both_readings(
     number: str,
     name: str,
     builds: Mapping[str, Callable[..., System]],
-    show: Callable[[Read, Trajectory], Outcome],
+    show: Callable[[Read, Trajectory], Iterable[Shown]],
 ) -> Section:
     """A section with both laws in each reading, and the full parametrisation in the printed one.
 
@@ -52,7 +52,7 @@ def in_both_readings(
             system = build(reading)
             runs[law, reading] = Simulation(f"{name}, {text}", system, track, stop, OUTPUT_STEP, method)
 
-    def shown(found: Mapping[Any, Trajectory]) -> Outcome:
+    def shown(found: Mapping[Any, Trajectory]) -> Iterable[Shown]:
         read = {reading: {law: found[law, reading] for law in (PROPOSED, COMPARISON)} for reading in FREQUENCIES}
         return show(read, found[FULL, "printed"])
 

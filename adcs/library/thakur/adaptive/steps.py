@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from adcs.library.exchange import COUPLED, at_steps, whole
-from adcs.library.outcome import Outcome
+from adcs.library.outcome import Shown
 from adcs.library.sections import Section, Simulation, failed_at
 from adcs.library.thakur.adaptive.systems import appendage, baseline, comparison_appendage, fuel
 from adcs.library.thakur.choices import Choices
@@ -46,7 +46,7 @@ def exchange_steps(_: Choices) -> Section:
     """Every loop at 1 ms and 10 ms: the largest difference of a component."""
     runs = at_steps(SYSTEMS, STEPS, GRID, STOP_TIME)
 
-    def show(found: Mapping[tuple[str, float], Result]) -> Outcome:
+    def show(found: Mapping[tuple[str, float], Result]) -> Iterator[Shown]:
         rows = [
             [label, 1e3 * step, *_distances(found[label, step], found[label, COUPLED])]
             for label in SYSTEMS
@@ -58,7 +58,7 @@ def exchange_steps(_: Choices) -> Section:
             "there the loop is no longer resolved."
         )
         columns = ["loop", "exchange step [ms]", *COMPARED.values()]
-        return Outcome(tables=[Table("Distance from the coupled solution", columns, rows, note)])
+        yield Table("Distance from the coupled solution", columns, rows, note)
 
     return Section(GROUP, "", show, runs)
 
@@ -78,7 +78,7 @@ def fuel_limits(_: Choices) -> Section:
             may_fail=True,
         )
 
-    def show(found: Mapping[tuple[float, float], Result]) -> Outcome:
+    def show(found: Mapping[tuple[float, float], Result]) -> Iterator[Shown]:
         rows: list[list[object]] = []
         for step, internal in FUEL_CASES:
             run, steps = found[step, internal], [1e3 * step, 1e3 * min(internal, step)]
@@ -93,7 +93,7 @@ def fuel_limits(_: Choices) -> Section:
             "equal it is nearest to a digital controller that updates its estimates once per sample."
         )
         columns = ["exchange step [ms]", "internal step used [ms]", "", *COMPARED.values()]
-        return Outcome(tables=[Table("Sampled limits of the law for fuel loss", columns, rows, note)])
+        yield Table("Sampled limits of the law for fuel loss", columns, rows, note)
 
     return Section(GROUP, "", show, runs)
 

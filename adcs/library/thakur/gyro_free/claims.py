@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from adcs.library.attitude import direction_cosines
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim, Shown
 from adcs.library.sections import Section, Simulation
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.gyro_free.settings import AT_REST_BY, PRINTED_C_R, PRINTED_P, Q_RN
@@ -42,19 +42,18 @@ def noise_free(choices: Choices) -> Section:
     )
 
 
-def _show(found: Runs, choices: Choices) -> Outcome:
+def _show(found: Runs, choices: Choices) -> Iterator[Shown]:
     pair = {control: found[control] for control in (GYRO_FREE, FULL_STATE)}
-    claims = [
-        _reference(),
-        _lyapunov_matrix(found[GYRO_FREE][LYAPUNOV][0]),
-        *_torques(pair),
-        *_convergence(pair, choices),
-        _effort(pair),
-    ]
     three = {**pair, FROM_ZERO: found[FROM_ZERO]}
     last = max(run.settled(what, choices.settled) for run in pair.values() for what in (ANGLE, RATE))
-    number = KeyNumber("Gyro-free and full state at rest", last, "s", f"printed: within {AT_REST_BY:g} s")
-    return Outcome(claims, _panels(three), [_table(three, choices)], [number])
+    yield KeyNumber("Gyro-free and full state at rest", last, "s", f"printed: within {AT_REST_BY:g} s")
+    yield _reference()
+    yield _lyapunov_matrix(found[GYRO_FREE][LYAPUNOV][0])
+    yield from _torques(pair)
+    yield from _convergence(pair, choices)
+    yield _effort(pair)
+    yield from _panels(three)
+    yield _table(three, choices)
 
 
 def _reference() -> Claim:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim, Shown
 from adcs.library.sections import Section, Simulation
 from adcs.library.thakur.choices import ALMOST_AN_ORDER, NO_WORSE, Choices
 from adcs.library.thakur.gyro_free.claims import FULL_STATE, GYRO_FREE
@@ -80,7 +80,7 @@ def _seeds(choices: Choices) -> list[int]:
     return list(range(choices.seed, choices.seed + choices.draws))
 
 
-def _show(found: Mapping[Any, Trajectory], others: list[str], choices: Choices) -> Outcome:
+def _show(found: Mapping[Any, Trajectory], others: list[str], choices: Choices) -> Iterator[Shown]:
     def drawn(control: str, name: object) -> list[Trajectory]:
         return [found[control, name, seed] for seed in _seeds(choices)]
 
@@ -91,16 +91,17 @@ def _show(found: Mapping[Any, Trajectory], others: list[str], choices: Choices) 
     own = f"redrawn every {choices.redraw_period:g} s, spread {choices.vector_spread:.3g}"
     compared = {own: {control: level[control, HALF_ANGLE] for control in CONTROLS}}
     compared |= {name: {c: _steady(drawn(c, name), choices) for c in CONTROLS} for name in others}
-    claims = [
-        *_transient(runs, exact),
-        *_residual(level, exact, choices),
-        *_growth(level),
-        *_no_worse(runs, level, choices),
-    ]
-    tables = [_steady_table(level, choices), _comparison_table(compared), _coupled_table(runs, coupled, choices)]
     ratio = level[GYRO_FREE, HALF_ANGLE][RATE] / level[FULL_STATE, HALF_ANGLE][RATE]
     note = "angular velocity in steady state; printed: not any worse"
-    return Outcome(claims, _panels(runs), tables, [KeyNumber("Gyro-free / full state, 0.05 deg", ratio, "", note)])
+    yield from _transient(runs, exact)
+    yield from _residual(level, exact, choices)
+    yield from _growth(level)
+    yield from _no_worse(runs, level, choices)
+    yield from _panels(runs)
+    yield _steady_table(level, choices)
+    yield _comparison_table(compared)
+    yield _coupled_table(runs, coupled, choices)
+    yield KeyNumber("Gyro-free / full state, 0.05 deg", ratio, "", note)
 
 
 def _steady(runs: list[Trajectory], choices: Choices) -> Steady:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from math import radians
 
 import numpy as np
 
-from adcs.library.outcome import Outcome
+from adcs.library.outcome import Shown
 from adcs.library.sections import Section
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.gyro_free.level import start_value, sufficient_level
@@ -32,14 +33,14 @@ def random_starts(choices: Choices) -> Section:
         system = gyro_free(start, redraw_period=choices.redraw_period, **noise)  # type: ignore[arg-type]
         runs[name] = exchanged(f"gyro-free, random start {i + 1} of {len(starts)}", system, choices)
 
-    def show(found: Runs) -> Outcome:
-        claims = []
+    def show(found: Runs) -> Iterator[Shown]:
         for what in (ANGLE, RATE):
             cell, late = f"{what} remains bounded within a residual set", choices.rest_from
             claim = residual_set(WHERE, cell, HALF_ANGLE, what, list(found.values()), late, choices.settled)
-            claims.append(replace(claim, note=f"{claim.note} {what.unit}"))
-        panels = [norm_panel(w, found, f"Fig. {number}  {w.title}", faint=True) for w, number in FIGURES.items()]
-        return Outcome(claims, panels, [_table(starts, found, choices)])
+            yield replace(claim, note=f"{claim.note} {what.unit}")
+        for what, number in FIGURES.items():
+            yield norm_panel(what, found, f"Fig. {number}  {what.title}", faint=True)
+        yield _table(starts, found, choices)
 
     return Section("4.3.2  Random initial conditions", "The statement on random initial conditions", show, runs)
 

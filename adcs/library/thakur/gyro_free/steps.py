@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from adcs.library.exchange import COUPLED, at_steps, distance
-from adcs.library.outcome import Outcome
+from adcs.library.outcome import Shown
 from adcs.library.sections import Section
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.gyro_free.claims import FULL_STATE, GYRO_FREE
@@ -21,7 +21,7 @@ SYSTEMS = {GYRO_FREE: gyro_free, FULL_STATE: gyro_free_full_state}
 def exchange_steps(choices: Choices) -> Section:
     """Both loops without noise at 1 ms and 10 ms: the largest difference from the coupled solution."""
 
-    def show(runs: Mapping[tuple[str, float], Result]) -> Outcome:
+    def show(runs: Mapping[tuple[str, float], Result]) -> Iterator[Shown]:
         rows = [
             [label, 1e3 * step, *(distance(runs[label, step], runs[label, COUPLED], name) for name in COMPARED)]
             for label in SYSTEMS
@@ -33,7 +33,7 @@ def exchange_steps(choices: Choices) -> Section:
             "come to rest all the same: where nothing moves, holding values costs nothing."
         )
         columns = ["control", "exchange step [ms]", *COMPARED.values()]
-        return Outcome(tables=[Table("Distance from the coupled solution", columns, rows, note)])
+        yield Table("Distance from the coupled solution", columns, rows, note)
 
     runs = at_steps(SYSTEMS, STEPS, GRID, choices.stop_time)
     return Section("Chapter 4: co-simulation against the coupled solution", "", show, runs)

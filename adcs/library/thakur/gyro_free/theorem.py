@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim, Shown
 from adcs.library.sections import Section, Simulation
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.gyro_free.level import printed_level, resting_attitudes, start_value, sufficient_level
@@ -38,12 +38,14 @@ def theorem(choices: Choices) -> Section:
         stop = 2 * choices.stop_time if value is None else REST_TIME
         runs[value] = Simulation(f"gyro-free, {label}", gyro_free(start), motion, stop, STEP, ModelExchange())
 
-    def show(found: Mapping[float | None, Trajectory]) -> Outcome:
+    def show(found: Mapping[float | None, Trajectory]) -> Iterator[Shown]:
         level, note = sufficient_level(), f"if V(0) is below; printed: {printed_level():.4g}, which is not enough"
-        number = KeyNumber("Gyro-free law sure to converge", level, "N·m", note)
+        yield KeyNumber("Gyro-free law sure to converge", level, "N·m", note)
         value = max(value for value in starts if value is not None)
-        claims = [_counterexample(value, starts[value], found[value]), _text()]
-        return Outcome(claims, [_panel(found, choices)], [_table(starts, found)], [number])
+        yield _counterexample(value, starts[value], found[value])
+        yield _text()
+        yield _panel(found, choices)
+        yield _table(starts, found)
 
     return Section("4.2.3  From where it converges", "Theorem 4.2.3", show, runs)
 

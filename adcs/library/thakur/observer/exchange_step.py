@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
 from adcs.library.exchange import COUPLED, at_steps, distance
-from adcs.library.outcome import Outcome
+from adcs.library.outcome import Shown
 from adcs.library.sections import Section
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.observer.noise_free import FULL_STATE, OBSERVER
@@ -38,11 +38,10 @@ def exchange_step(choices: Choices) -> Section:
     """Both noise-free systems at several exchange steps: the largest difference of the states, and its order."""
     runs = at_steps(SYSTEMS, STEPS, GRID, choices.stop_time)
 
-    def show(found: Ladder) -> Outcome:
-        outcome = Outcome()
+    def show(found: Ladder) -> Iterator[Shown]:
         for label in SYSTEMS:
-            outcome += _shown(label, found)
-        return outcome + Outcome(tables=[_floors(found, choices)])
+            yield from _shown(label, found)
+        yield _floors(found, choices)
 
     return Section("Co-simulation against the coupled solution", "", show, runs)
 
@@ -72,7 +71,7 @@ def _floors(found: Ladder, choices: Choices) -> Table:
     return Table("Floor of the errors at the end", columns, rows, note)
 
 
-def _shown(label: str, found: Ladder) -> Outcome:
+def _shown(label: str, found: Ladder) -> Iterator[Shown]:
     exact, milliseconds = found[label, COUPLED], [1e3 * step for step in STEPS]
     off = {
         name: [distance(found[label, step], exact, name) for step in STEPS] for name in STATES if name in exact.names
@@ -83,7 +82,7 @@ def _shown(label: str, found: Ladder) -> Outcome:
         for name, values in off.items()
     ]
     line = [0.4 * off["plant.q_BN"][0] * h / milliseconds[0] for h in milliseconds]
-    panel = Panel(
+    yield Panel(
         f"Distance from the coupled solution, {label}",
         "largest difference over the run",
         [*series, Series("first order", milliseconds, line, "dot", color=7)],
@@ -96,7 +95,7 @@ def _shown(label: str, found: Ladder) -> Outcome:
     floor = norm_panel(ATTITUDE, drawn, f"Attitude tracking error and exchange step, {label}")
     rows = [[STATES[name], *values, f"{orders[name]:.3f}"] for name, values in off.items()]
     columns = ["state", *(f"{h:g} ms" for h in milliseconds), "order"]
-    table = Table(f"Largest difference from the coupled solution, {label}", columns, rows)
+    yield Table(f"Largest difference from the coupled solution, {label}", columns, rows)
     farthest, note = max(orders.values(), key=lambda order: abs(order - 1)), "co-simulation against coupled; "
-    number = KeyNumber(f"Order in the exchange step, {label}", f"{farthest:.3f}", "", f"{note}farthest from 1")
-    return Outcome([], [panel, floor], [table], [number])
+    yield KeyNumber(f"Order in the exchange step, {label}", f"{farthest:.3f}", "", f"{note}farthest from 1")
+    yield floor

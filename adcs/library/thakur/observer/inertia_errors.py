@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim, Shown
 from adcs.library.sections import Section, Simulation
 from adcs.library.thakur.choices import Choices, Matrix
 from adcs.library.thakur.observer.settings import INERTIA, INERTIA_ERRORS
@@ -47,13 +47,18 @@ def inertia_errors(choices: Choices) -> Section:
         label, system = f"observer at zero torque, {name}", observer_inertia_error(error)
         runs[name] = Simulation(label, system, estimation, choices.stop_time, STEP, ModelExchange())
 
-    def show(found: Runs) -> Outcome:
-        claims = [*_norms(), _magnitude(), *_moments(), *_transients(found, choices), *_residuals(found, choices)]
-        panels = [norm_panel(what, found, f"Fig. 5.8  {what.title}", note="at zero torque") for what in ESTIMATION]
+    def show(found: Runs) -> Iterator[Shown]:
+        for what in ESTIMATION:
+            yield norm_panel(what, found, f"Fig. 5.8  {what.title}", note="at zero torque")
         worst = max(found[name].after(choices.steady_from).peak(RATE_ESTIMATE) for name in (FIRST, SECOND))
         note = "largest error in steady state"
-        number = KeyNumber("Rate estimate with a wrong inertia", worst, "rad/s", note)
-        return Outcome(claims, panels, [_table(found, choices)], [number])
+        yield KeyNumber("Rate estimate with a wrong inertia", worst, "rad/s", note)
+        yield from _norms()
+        yield _magnitude()
+        yield from _moments()
+        yield from _transients(found, choices)
+        yield from _residuals(found, choices)
+        yield _table(found, choices)
 
     return Section("5.4.4  Inertia errors", "The statements of Sec. 5.4.4", show, runs)
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from math import log10, radians
 
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim, Shown
 from adcs.library.sections import Section, Simulation
 from adcs.library.thakur.choices import ALMOST_AN_ORDER, NO_WORSE, Choices
 from adcs.library.thakur.observer.noise_free import BOTH, FULL_STATE, OBSERVER
@@ -58,7 +58,7 @@ def noisy(choices: Choices) -> Section:
         for seed in seeds
     }
 
-    def show(found: Mapping[tuple[str, float, float, int], Trajectory]) -> Outcome:
+    def show(found: Mapping[tuple[str, float, float, int], Trajectory]) -> Iterable[Shown]:
         def sequences(control: str, angle: float, redrawn: float) -> list[Trajectory]:
             return [found[control, angle, redrawn, seed] for seed in seeds]
 
@@ -72,21 +72,23 @@ def noisy(choices: Choices) -> Section:
     return Section("5.4.2  Quaternion with noise", "The statements of Sec. 5.4.2", show, runs)
 
 
-def _show(runs: Draws, periods: Mapping[float, Mapping[str, Steady]], choices: Choices) -> Outcome:
+def _show(runs: Draws, periods: Mapping[float, Mapping[str, Steady]], choices: Choices) -> Iterator[Shown]:
     level = {key: steady(value, choices.steady_from) for key, value in runs.items()}
-    claims = [*_bounded(runs, level, choices), *_slightly_better(runs, level, choices), *_angles(level)]
     observer, full = level[OBSERVER, SMALL][ATTITUDE], level[FULL_STATE, SMALL][ATTITUDE]
     growth, note = (
         level[OBSERVER, LARGE][ATTITUDE] / observer,
         "observer, attitude; printed: almost an order of magnitude",
     )
-    numbers = [
-        KeyNumber("Errors at 0.5 deg / 0.05 deg", growth, "", note),
-        KeyNumber(
-            "Observer / full state, 0.05 deg", observer / full, "", "attitude; printed: full state marginally smaller"
-        ),
-    ]
-    return Outcome(claims, _panels(runs), [_steady_table(level, choices), _period_table(periods)], numbers)
+    yield from _bounded(runs, level, choices)
+    yield from _slightly_better(runs, level, choices)
+    yield from _angles(level)
+    yield from _panels(runs)
+    yield _steady_table(level, choices)
+    yield _period_table(periods)
+    yield KeyNumber("Errors at 0.5 deg / 0.05 deg", growth, "", note)
+    yield KeyNumber(
+        "Observer / full state, 0.05 deg", observer / full, "", "attitude; printed: full state marginally smaller"
+    )
 
 
 def _bounded(runs: Draws, level: Mapping[Key, Steady], choices: Choices) -> Iterator[Claim]:

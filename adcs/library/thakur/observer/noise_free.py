@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from adcs.library.attitude import norm
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim, Shown
 from adcs.library.sections import Section, Simulation
 from adcs.library.thakur.choices import TRACKED_BY, Choices
 from adcs.library.thakur.observer.settings import ESTIMATED_BY, GUIDANCE, Start
@@ -49,19 +49,19 @@ def noise_free(choices: Choices) -> Section:
         label, system = f"observer, coupled, rate estimate {scale:g} x off", observer_pd(_start(scale))
         runs[scale] = Simulation(label, system, signals, stop, OUTPUT_STEP, method)
 
-    def show(found: Mapping[object, Trajectory]) -> Outcome:
+    def show(found: Mapping[object, Trajectory]) -> Iterator[Shown]:
         pair = {OBSERVER: found[1.0], FULL_STATE: found[FULL_STATE]}
         scaled = {scale: found[scale] for scale in ESTIMATE_SCALES}
-        claims = [
-            *_convergence(pair, choices),
-            *_steady_state(pair, choices),
-            *_transient(pair, choices),
-            *_effort(pair),
-            *_larger_errors(scaled),
-            _reference_sign(choices),
-        ]
-        tables = [_settling_table(pair), _scale_table(scaled)]
-        return Outcome(claims, _panels(pair, choices), tables, _key_numbers(pair, choices))
+        yield from _convergence(pair, choices)
+        yield from _steady_state(pair, choices)
+        yield from _transient(pair, choices)
+        yield from _effort(pair)
+        yield from _larger_errors(scaled)
+        yield _reference_sign(choices)
+        yield from _panels(pair, choices)
+        yield _settling_table(pair)
+        yield _scale_table(scaled)
+        yield from _key_numbers(pair, choices)
 
     return Section("5.4.1  Quaternion without noise", "The statements of Sec. 5.4.1", show, runs)
 

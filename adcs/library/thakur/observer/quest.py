@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from adcs.library.attitude import norm
 from adcs.library.exchange import COUPLED, at_steps, distance
-from adcs.library.outcome import Claim, Outcome
+from adcs.library.outcome import Claim, Shown
 from adcs.library.sections import Section
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.observer.noise_free import OUTPUT_STEP
@@ -35,32 +35,28 @@ def quest(choices: Choices) -> Section:
     )
 
 
-def _show(found: Mapping[tuple[str, float], Result], choices: Choices) -> Outcome:
+def _show(found: Mapping[tuple[str, float], Result], choices: Choices) -> Iterator[Shown]:
     with_quest = found[QUEST, COUPLED]
     run, direct = signals(with_quest), signals(found[DIRECT, COUPLED])
-    claims = []
     for what in (*ERRORS, TORQUE):
         peak = direct.peak(what)
         part = float(norm(run[what] - direct[what]).max() / peak)
-        claims.append(
-            Claim(WHERE, f"{what}: largest difference / peak", "QUEST against the quaternion itself",
-                  "virtually identical", part, part <= IDENTICAL,
-                  f"peak {peak:.3g}{what.in_unit}; judged at {IDENTICAL:g}")
-        )  # fmt: skip
-    number = KeyNumber("Torque, QUEST against quaternion", part, "", "of the peak")
+        yield Claim(WHERE, f"{what}: largest difference / peak", "QUEST against the quaternion itself",
+                    "virtually identical", part, part <= IDENTICAL,
+                    f"peak {peak:.3g}{what.in_unit}; judged at {IDENTICAL:g}")  # fmt: skip
+    yield KeyNumber("Torque, QUEST against quaternion", part, "", "of the peak")
     estimate, true = with_quest["quest.q_BN_est"], with_quest["plant.q_BN"]
     jump, turned = (float(norm(np.diff(q, axis=0)).max()) for q in (estimate, true))
-    claims.append(
-        Claim(WHERE, f"largest change of the estimate in {OUTPUT_STEP:g} s", "over the whole run",
-              "no sign jumps", jump, jump < 2 * turned,
-              f"the true quaternion changes by {turned:.3g}; a jump of sign would be 2. Its scalar part goes from "
-              f"{true[0, 0]:.3g} to {true[:, 0].min():.3g}, so a sign fixed once would jump")
-    )  # fmt: skip
+    yield Claim(WHERE, f"largest change of the estimate in {OUTPUT_STEP:g} s", "over the whole run",
+                "no sign jumps", jump, jump < 2 * turned,
+                f"the true quaternion changes by {turned:.3g}; a jump of sign would be 2. Its scalar part goes from "
+                f"{true[0, 0]:.3g} to {true[:, 0].min():.3g}, so a sign fixed once would jump")  # fmt: skip
     shown = {"": run.until(choices.shown)}
-    panels = [component_panel(w, shown, f"Fig. 5.7  {w.title}") for w in (ATTITUDE, RATE, RATE_ESTIMATE, TORQUE)]
+    for what in (ATTITUDE, RATE, RATE_ESTIMATE, TORQUE):
+        yield component_panel(what, shown, f"Fig. 5.7  {what.title}")
     scalars = [Series("QUEST", run.time, estimate[:, 0]), Series("true", run.time, true[:, 0], dash="dash")]
-    panels.append(Panel("Scalar part of the estimated quaternion", "q₀", scalars))
-    return Outcome(claims, panels, [_steps(found)], [number])
+    yield Panel("Scalar part of the estimated quaternion", "q₀", scalars)
+    yield _steps(found)
 
 
 def _steps(found: Mapping[tuple[str, float], Result]) -> Table:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import radians
 
 import numpy as np
 
-from adcs.library.outcome import Outcome
+from adcs.library.outcome import Shown
 from adcs.library.sections import Section, Simulation
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.observer.noise import COUPLED, OUTPUT_STEP, SMALL, WHERE
@@ -28,20 +29,17 @@ def random_starts(choices: Choices) -> Section:
         label, system = f"random start {i + 1} of {len(starts)}", observer_pd(start, **_noise(choices, i))  # type: ignore[arg-type]
         runs[name] = Simulation(label, system, signals, choices.stop_time, OUTPUT_STEP, COUPLED)
 
-    def show(found: Runs) -> Outcome:
+    def show(found: Runs) -> Iterator[Shown]:
         late, part, every = choices.steady_from, choices.settled, list(found.values())
-        claims = [
-            residual_set(WHERE, f"{error} converges to a bounded residual set", SMALL, error, every, late, part)
-            for error in ERRORS
-        ]
+        for error in ERRORS:
+            yield residual_set(WHERE, f"{error} converges to a bounded residual set", SMALL, error, every, late, part)
         bounded = sum(all(stays_small(run, error, late, part) for error in ERRORS) for run in every)
         note = f"noise of {SMALL:g} deg"
-        number = KeyNumber("Random starts bounded", f"{bounded} of {len(every)}", "", note)
-        panels = [
-            norm_panel(what, found, f"Fig. {figure}  {what.title}", log=what is not TORQUE, faint=True)
-            for what, figure in FIGURES.items()
-        ]
-        return Outcome(claims, panels, [_statistics(found, choices), _starts(starts, found, choices)], [number])
+        yield KeyNumber("Random starts bounded", f"{bounded} of {len(every)}", "", note)
+        for what, figure in FIGURES.items():
+            yield norm_panel(what, found, f"Fig. {figure}  {what.title}", log=what is not TORQUE, faint=True)
+        yield _statistics(found, choices)
+        yield _starts(starts, found, choices)
 
     return Section("5.4.2  Random initial conditions", "The statement on random initial conditions", show, runs)
 

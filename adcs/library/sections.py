@@ -40,8 +40,9 @@ class Simulation:
     def key(self) -> tuple[Any, ...]:
         """Equal for runs that are one and the same, however they are viewed."""
         parts = [(p.name, str(p.source), tuple(p.start.items()), p.every) for p in self.system.components.values()]
-        how = (tuple(self.record or ()), self.stop_time, self.step, self.method, self.every)
-        return (tuple(parts), tuple(self.system.connections), *how)
+        kept = None if self.record is None else tuple(self.record)
+        how = (self.stop_time, self.step, self.method, self.every, self.may_fail)
+        return (tuple(parts), tuple(self.system.connections), kept, *how)
 
     def run(self, simulate: Callable[..., Result], progress: Callable[[float], None]) -> Result:
         """Run it by `simulate`, a function like `run`."""

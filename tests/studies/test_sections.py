@@ -74,7 +74,17 @@ def test_equal_runs_are_made_once_and_progress_counts_them() -> None:
     assert [(table.title, table.group) for table in outcome.tables] == [("Claims", "two")]
 
 
-@pytest.mark.parametrize("change", [{"step": 0.2}, {"stop_time": 5.0}, {"every": 2}, {"record": ["plant.omega_BN_B"]}])
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"step": 0.2},
+        {"stop_time": 5.0},
+        {"every": 2},
+        {"record": ["plant.omega_BN_B"]},
+        {"record": None},
+        {"may_fail": True},
+    ],
+)
 def test_what_makes_a_run_another_one(change: dict[str, Any]) -> None:
     one = simulation("a", 1.0)
     assert one.key == simulation("b", 1.0).key

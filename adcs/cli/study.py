@@ -76,7 +76,7 @@ def study(
         complete = [{"run": label, **manifest} for label, manifest in runs]
         (results.given / "runs.json").write_text(json.dumps(complete, indent=2) + "\n", encoding="utf-8")
     if json_:
-        print(as_json(name, outcome.claims))
+        print(as_json(outcome.rows(name)))
     else:
         _show(Console(), entry.title, outcome, all_)
         Console().print(f"report: {page}", soft_wrap=True)
@@ -102,8 +102,9 @@ def with_changes(choices: Any, changes: Sequence[str]) -> Any:
 def write_files(folder: Path, entry: StudyEntry, outcome: Outcome, manifest: dict[str, Any], command: str) -> Path:
     """Write `index.html`, `rows.csv`, `rows.json` and, if Matplotlib is there, a PNG per group; return the page."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_csv(folder / "rows.csv", entry.name, outcome.claims)
-    (folder / "rows.json").write_text(as_json(entry.name, outcome.claims) + "\n", encoding="utf-8")
+    rows = outcome.rows(entry.name)
+    write_csv(folder / "rows.csv", rows)
+    (folder / "rows.json").write_text(as_json(rows) + "\n", encoding="utf-8")
     for group in dict.fromkeys(panel.group for panel in outcome.panels if plots.can_draw()):
         panels = [panel for panel in outcome.panels if panel.group == group]
         plots.write_png(folder / f"{_slug(group)}.png", panels, group)

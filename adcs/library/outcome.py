@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -16,19 +16,6 @@ from orchestration.results.report import KeyNumber, Table
 Verdict = Literal["reproduced", "not reproduced", "wrong in print"]
 Progress = Callable[[float, str], None]
 """Called with the fraction done, in [0, 1], and what is being done."""
-COLUMNS = (
-    "study",
-    "table",
-    "cell",
-    "settings",
-    "reading",
-    "printed",
-    "ours",
-    "relative_error",
-    "verdict",
-    "note",
-)
-"""The names of a claim in `rows.json` and `rows.csv`."""
 
 
 @dataclass(frozen=True)
@@ -55,11 +42,6 @@ class Claim:
         if self.holds is None:
             return "wrong in print"
         return "reproduced" if self.holds else "not reproduced"
-
-    def row(self, study: str) -> dict[str, Any]:
-        """Its values under the names of `COLUMNS`."""
-        values = (study, self.where, self.statement, self.settings, self.reading, self.printed, self.measure)
-        return dict(zip(COLUMNS, (*values, self.error, self.verdict, self.note), strict=True))
 
 
 Shown = Claim | Panel | Table | KeyNumber
@@ -111,7 +93,29 @@ class Outcome:
 
     def scored(self) -> list[Claim]:
         """The claims that make the score: those of the reading that counts, and those of no reading."""
-        return [claim for claim in self.claims if claim.reading in ("", self.counted)]
+        return [claim for claim in self.claims if self._counts(claim)]
+
+    def rows(self, study: str) -> list[dict[str, Any]]:
+        """The claims as `rows.json` and `rows.csv` have them; `counted` says whether one belongs to the score."""
+        return [
+            {
+                "study": study,
+                "table": claim.where,
+                "cell": claim.statement,
+                "settings": claim.settings,
+                "reading": claim.reading,
+                "counted": self._counts(claim),
+                "printed": claim.printed,
+                "ours": claim.measure,
+                "relative_error": claim.error,
+                "verdict": claim.verdict,
+                "note": claim.note,
+            }
+            for claim in self.claims
+        ]
+
+    def _counts(self, claim: Claim) -> bool:
+        return claim.reading in ("", self.counted)
 
 
 def tally(claims: Iterable[Claim]) -> dict[Verdict, int]:
@@ -120,18 +124,17 @@ def tally(claims: Iterable[Claim]) -> dict[Verdict, int]:
     return {verdict: verdicts.count(verdict) for verdict in get_args(Verdict) if verdict in verdicts}
 
 
-def as_json(study: str, claims: Sequence[Claim]) -> str:
-    """One array with an object per claim; what is not finite becomes null."""
-    rows = [{key: _finite(value) for key, value in claim.row(study).items()} for claim in claims]
-    return json.dumps(rows, indent=2)
+def as_json(rows: Sequence[Mapping[str, Any]]) -> str:
+    """One array with an object per row; what is not finite becomes null."""
+    return json.dumps([{key: _finite(value) for key, value in row.items()} for row in rows], indent=2)
 
 
-def write_csv(path: Path, study: str, claims: Sequence[Claim]) -> None:
-    """One line per claim."""
+def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    """One line per row, under its keys."""
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, COLUMNS)
+        writer = csv.DictWriter(file, list(rows[0]) if rows else [])
         writer.writeheader()
-        writer.writerows(claim.row(study) for claim in claims)
+        writer.writerows(rows)
 
 
 def claims_table(claims: Sequence[Claim], title: str, group: str = "") -> Table:

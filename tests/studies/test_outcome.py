@@ -10,7 +10,19 @@ from adcs.library.outcome import Claim, Outcome, as_json, claims_table, tally, w
 from orchestration.results.plots import Panel
 from orchestration.results.report import KeyNumber, Table
 
-NAMES = ["study", "table", "cell", "settings", "reading", "printed", "ours", "relative_error", "verdict", "note"]
+NAMES = [
+    "study",
+    "table",
+    "cell",
+    "settings",
+    "reading",
+    "counted",
+    "printed",
+    "ours",
+    "relative_error",
+    "verdict",
+    "note",
+]
 NUMBER = Claim("Table 1", "a", "10 Hz", 2.0, 2.1, True, error=0.05, reading="as made")
 CLAIM = Claim("Sec. 1", "b, c", "none", "within 60 s", float("nan"), False, 'never "settled"')
 MISPRINT = Claim("Sec. 2", "d", "", "+", "-", None)
@@ -18,7 +30,7 @@ LITERAL = Claim("Table 1", "a", "10 Hz", 2.0, 3.0, False, reading="as printed")
 
 
 def test_json_has_the_fixed_names_and_no_nan() -> None:
-    rows = json.loads(as_json("x", [NUMBER, CLAIM]))
+    rows = json.loads(as_json(Outcome([NUMBER, CLAIM]).rows("x")))
     assert [list(row) for row in rows] == [NAMES, NAMES]
     assert (rows[0]["study"], rows[0]["table"], rows[0]["ours"], rows[0]["reading"]) == ("x", "Table 1", 2.1, "as made")
     assert (rows[1]["ours"], rows[1]["relative_error"]) == (None, None)
@@ -26,7 +38,7 @@ def test_json_has_the_fixed_names_and_no_nan() -> None:
 
 
 def test_csv(tmp_path: Path) -> None:
-    write_csv(tmp_path / "rows.csv", "x", [NUMBER, CLAIM])
+    write_csv(tmp_path / "rows.csv", Outcome([NUMBER, CLAIM]).rows("x"))
     with (tmp_path / "rows.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert list(rows[0]) == NAMES
@@ -73,6 +85,7 @@ def test_verdict() -> None:
 def test_the_score_counts_the_reading_that_counts_and_what_is_of_none() -> None:
     outcome = Outcome([NUMBER, LITERAL, CLAIM, MISPRINT], counted="as made")
     assert outcome.scored() == [NUMBER, CLAIM, MISPRINT]
+    assert [row["counted"] for row in outcome.rows("x")] == [True, False, True, True]
     assert tally(outcome.scored()) == {"reproduced": 1, "not reproduced": 1, "wrong in print": 1}
     assert tally(outcome.claims) == {"reproduced": 1, "not reproduced": 2, "wrong in print": 1}
     assert tally([]) == {}

@@ -119,12 +119,8 @@ def _add_observer(
         system.connect("sensor.omega_BN_B_meas", "observer.omega_BN_B")
         system.connect("law.torque_B", "observer.torque_B")
     elif controller == "ii":
-        start = {
-            "J0_B": known["J0_B"],
-            "gamma": settings.REDUCED_II_GAIN if reduced else settings.II_GAIN,
-            "period": period,
-            "update_first": reading.update_first,
-        }
+        gamma = settings.REDUCED_II_GAIN if reduced else settings.II_GAIN
+        start = {"J0_B": known["J0_B"], "gamma": gamma, "period": period, "update_first": reading.update_first}
         system.add("observer", "ImmersionInvarianceObserver", start)
         system.connect("sensor.omega_BN_B_meas", "observer.omega_BN_B")
         system.connect("law.acceleration_expected_B", "observer.acceleration_expected_B")
@@ -136,31 +132,21 @@ def _add_observer(
 
 def _add_disturbance(system: System, scenario: Scenario, known: Start, period: float, reading: Reading) -> None:
     held = period if reading.disturbance_held else 0.0
+
+    def offset(mass: float, position: tuple[float, float, float]) -> settings.Matrix:
+        return parallel_axis(mass, position) if reading.parallel_axis else np.zeros((3, 3))
+
     if scenario == "wheel":
-        spin = {
-            "axis": settings.WHEEL_AXIS,
-            "inertia": settings.WHEEL_MASS * settings.WHEEL_RADIUS**2 / 2,
-            "speed": settings.WHEEL_SPEED,
-            "J_offset_B": parallel_axis(settings.WHEEL_MASS, settings.WHEEL_POSITION)
-            if reading.parallel_axis
-            else np.zeros((3, 3)),
-            "period": held,
-        }
-        system.add("wheel", "SpinningWheel", spin)
+        mass, radius = settings.WHEEL_MASS, settings.WHEEL_RADIUS
+        spin = {"axis": settings.WHEEL_AXIS, "inertia": mass * radius**2 / 2, "speed": settings.WHEEL_SPEED}
+        around = {"J_offset_B": offset(mass, settings.WHEEL_POSITION), "period": held}
+        system.add("wheel", "SpinningWheel", spin | around)
         system.connect("plant.omega_BN_B", "wheel.omega_BN_B")
         system.connect("wheel.torque_B", "plant.torque_disturbance_B")
     elif scenario == "mirror":
-        swing = {
-            **known,
-            **settings.MIRROR_SWING,
-            "J_A": mirror_moments(reading.mirror_size),
-            "euler": settings.MIRROR_EULER,
-            "J_offset_B": parallel_axis(settings.MIRROR_MASS, settings.MIRROR_POSITION)
-            if reading.parallel_axis
-            else np.zeros((3, 3)),
-            "period": held,
-        }
-        system.add("mirror", "OscillatingPayload", swing)
+        swing = {**known, **settings.MIRROR_SWING, "J_A": mirror_moments(reading.mirror_size)}
+        around = {"J_offset_B": offset(settings.MIRROR_MASS, settings.MIRROR_POSITION), "period": held}
+        system.add("mirror", "OscillatingPayload", swing | {"euler": settings.MIRROR_EULER} | around)
         _connect_source(system, "mirror")
     elif scenario == "mismatch" and reading.disturbance_held:
         system.add("mismatch", "InertiaMismatch", {"J_B": settings.INERTIA, **known, "period": held})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -18,7 +18,8 @@ from adcs.catalogue import STUDIES
 from adcs.cli.command import at_work, command
 from adcs.cli.progress import progress
 from adcs.library.entry import StudyEntry
-from adcs.library.outcome import Outcome, Row, as_json, manifest_of, write_csv
+from adcs.library.outcome import Claim, Outcome, as_json, tally, write_csv
+from adcs.library.sections import manifest_of
 from fmus.errors import AdcsError
 from fmus.spelling import hint
 from orchestration.isolation.folder import new_results
@@ -27,6 +28,8 @@ from orchestration.results import plots, report
 app = command("study", "adcs study thakur", "adcs study six-dof --out results/paper --json")
 
 _VERDICT_STYLE = {"reproduced": "green", "not reproduced": "red", "wrong in print": "yellow"}
+_MISSES = 20  # shown at most
+_CELLS = ("where", "claim", "settings", "printed", "ours")
 
 
 @app.default
@@ -38,15 +41,19 @@ def study(
     out: Path | None = None,
     force: bool = False,
     json_: Annotated[bool, Parameter(name="--json")] = False,
+    all_: Annotated[bool, Parameter(name="--all")] = False,
 ) -> None:
     """Run a study: the printed numbers and claims of a document, with ours beside them.
+
+    Shown are the verdicts counted by where the claims stand, and what is not reproduced; the report has everything.
 
     Args:
         set_: Change a choice of the study; may be repeated.
         out: Folder of report, pictures and CSV; one that holds results gets the next number, as in study-NAME-2.
             [default: results/study-NAME]
         force: Replace the results that the folder holds.
-        json_: Print the rows as one JSON array.
+        json_: Print all claims as one JSON array.
+        all_: Show all claims, not only what is not reproduced.
     """
     entry = STUDIES.get(name)
     if entry is None:
@@ -63,13 +70,10 @@ def study(
         complete = [{"run": label, **manifest} for label, manifest in runs]
         (results.given / "runs.json").write_text(json.dumps(complete, indent=2) + "\n", encoding="utf-8")
     if json_:
-        print(as_json(outcome.rows))
+        print(as_json(outcome.rows(name)))
     else:
-        console = Console()
-        console.print(_table(entry.title, outcome.rows))
-        counts = {v: sum(row.verdict == v for row in outcome.rows) for v in _VERDICT_STYLE}
-        console.print(", ".join(f"[{_VERDICT_STYLE[v]}]{count} {v}[/]" for v, count in counts.items() if count))
-        console.print(f"report: {page}", soft_wrap=True)
+        _show(Console(), entry.title, outcome, all_)
+        Console().print(f"report: {page}", soft_wrap=True)
 
 
 def with_changes(choices: Any, changes: Sequence[str]) -> Any:
@@ -92,8 +96,9 @@ def with_changes(choices: Any, changes: Sequence[str]) -> Any:
 def write_files(folder: Path, entry: StudyEntry, outcome: Outcome, manifest: dict[str, Any], command: str) -> Path:
     """Write `index.html`, `rows.csv`, `rows.json` and, if Matplotlib is there, a PNG per group; return the page."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_csv(folder / "rows.csv", outcome.rows)
-    (folder / "rows.json").write_text(as_json(outcome.rows) + "\n", encoding="utf-8")
+    rows = outcome.rows(entry.name)
+    write_csv(folder / "rows.csv", rows)
+    (folder / "rows.json").write_text(as_json(rows) + "\n", encoding="utf-8")
     for group in dict.fromkeys(panel.group for panel in outcome.panels if plots.can_draw()):
         panels = [panel for panel in outcome.panels if panel.group == group]
         plots.write_png(folder / f"{_slug(group)}.png", panels, group)
@@ -106,6 +111,8 @@ def write_files(folder: Path, entry: StudyEntry, outcome: Outcome, manifest: dic
         manifest,
         key_numbers=outcome.key_numbers,
         command=command,
+        tally=tally(outcome.scored()),
+        tally_note=_of_reading(outcome),
     )
 
 
@@ -113,11 +120,63 @@ def _slug(text: str) -> str:
     return "-".join("".join(c if c.isalnum() else " " for c in text.lower()).split()) or "figures"
 
 
-def _table(title: str, rows: list[Row]) -> RichTable:
+def _show(console: Console, title: str, outcome: Outcome, everything: bool) -> None:
+    """The verdicts by where the claims stand; the misses, or all claims; and the score."""
+    console.print(_counts(title, outcome.claims))
+    scored = outcome.scored()
+    missed = [claim for claim in scored if claim.verdict == "not reproduced"]
+    if everything:
+        console.print(_claims("All claims", outcome.claims, [*_CELLS, "verdict"]))
+    elif missed:
+        console.print(_claims("Not reproduced", missed[:_MISSES], _CELLS))
+        if len(missed) > _MISSES:
+            console.print(f"and {len(missed) - _MISSES} more: the report has all, and so have --all and --json")
+    score = ", ".join(f"[{_VERDICT_STYLE[v]}]{count} {v}[/]" for v, count in tally(scored).items())
+    console.print(f"{len(scored)} claims{_of_reading(outcome)}: {score}")
+
+
+def _of_reading(outcome: Outcome) -> str:
+    return f", {outcome.counted}" if outcome.counted else ""
+
+
+def _counts(title: str, claims: Sequence[Claim]) -> RichTable:
+    """A line for each place, and for each reading of it where there are several, with what these come to."""
+    readings = dict.fromkeys(claim.reading for claim in claims)
+    shown = len(readings) > 1
     table = RichTable(title=title, title_justify="left", title_style="bold")
-    for column in ("where", "claim", "settings", "printed", "ours", "verdict"):
+    for column in ("where", *(["reading"] if shown else [])):
         table.add_column(column, overflow="fold")
-    for row in rows:
-        cells = [row.table, row.cell, row.settings, report.format_cell(row.printed), report.format_cell(row.ours)]
-        table.add_row(*map(escape, cells), f"[{_VERDICT_STYLE[row.verdict]}]{row.verdict}[/]")
+    for verdict in _VERDICT_STYLE:
+        table.add_column(verdict, justify="right")
+
+    def add(where: str, reading: str, those: Iterable[Claim]) -> None:
+        counts = tally(those)
+        cells = [f"[{style}]{counts[v]}[/]" if v in counts else "" for v, style in _VERDICT_STYLE.items()]
+        table.add_row(*map(escape, (where, reading) if shown else (where,)), *cells)
+
+    for where, reading in dict.fromkeys((claim.where, claim.reading) for claim in claims):
+        add(where, reading, [claim for claim in claims if (claim.where, claim.reading) == (where, reading)])
+    if shown:
+        table.add_section()
+        for reading in readings:
+            add("all", reading, [claim for claim in claims if claim.reading == reading])
+    return table
+
+
+def _claims(title: str, claims: Sequence[Claim], columns: Sequence[str]) -> RichTable:
+    """The claims; without the run they are of where that is but the reading."""
+    columns = [name for name in columns if name != "settings" or any(c.settings not in ("", c.reading) for c in claims)]
+    table = RichTable(title=title, title_justify="left", title_style="bold")
+    for column in columns:
+        table.add_column(column, overflow="fold")
+    for claim in claims:
+        cells = {
+            "where": escape(claim.where),
+            "claim": escape(claim.statement),
+            "settings": escape(claim.settings),
+            "printed": escape(report.format_cell(claim.printed)),
+            "ours": escape(report.format_cell(claim.measure)),
+            "verdict": f"[{_VERDICT_STYLE[claim.verdict]}]{claim.verdict}[/]",
+        }
+        table.add_row(*(cells[column] for column in columns))
     return table

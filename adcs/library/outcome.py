@@ -1,20 +1,17 @@
-"""What a study hands back: rows that compare with print, and what its report shows."""
+"""What a study hands back: claims that compare with print, and what its report shows."""
 
 from __future__ import annotations
 
 import csv
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from orchestration.results.plots import Panel
 from orchestration.results.report import KeyNumber, Table
-from orchestration.results.result import Result
-from orchestration.running.method import CoSimulation
-from orchestration.system import System
 
 Verdict = Literal["reproduced", "not reproduced", "wrong in print"]
 Progress = Callable[[float, str], None]
@@ -22,105 +19,129 @@ Progress = Callable[[float, str], None]
 
 
 @dataclass(frozen=True)
-class Row:
-    """One printed number or claim beside ours. The names are fixed: they are what `adcs study --json` prints."""
+class Claim:
+    """A number or statement of a document: where, what it says, what is printed, what we measure, whether that holds.
 
-    study: str
-    table: str
-    cell: str
+    `holds` is None where print is wrong. `settings` says of which run; `reading` how the text was read, if that matters
+    to all of the study; `note` by what it is judged; `error` is that of the measure relative to print.
+    """
+
+    where: str
+    statement: str
     settings: str
     printed: float | str
-    ours: float | str | None
-    relative_error: float | None
-    verdict: Verdict
+    measure: float | str | None
+    holds: bool | None
     note: str = ""
+    error: float | None = None
+    reading: str = ""
+
+    @property
+    def verdict(self) -> Verdict:
+        """What is said of it."""
+        if self.holds is None:
+            return "wrong in print"
+        return "reproduced" if self.holds else "not reproduced"
 
 
-def verdict(holds: bool) -> Verdict:
-    """`reproduced` or `not reproduced`."""
-    return "reproduced" if holds else "not reproduced"
+Shown = Claim | Panel | Table | KeyNumber
+"""What a section of a study shows."""
 
 
 @dataclass
 class Outcome:
-    """Rows, and panels, tables and key numbers for the report. Outcomes add up."""
+    """Claims, and panels, tables and key numbers for the report. Outcomes add up.
 
-    rows: list[Row] = field(default_factory=list)
+    Where claims are judged in several readings of the text, `counted` names the one that makes the score.
+    """
+
+    claims: list[Claim] = field(default_factory=list)
     panels: list[Panel] = field(default_factory=list)
     tables: list[Table] = field(default_factory=list)
     key_numbers: list[KeyNumber] = field(default_factory=list)
+    counted: str = ""
+
+    @classmethod
+    def of(cls, shown: Iterable[Shown], counted: str = "") -> Outcome:
+        """What a section shows, by its kind."""
+        things = list(shown)
+        return cls(
+            [thing for thing in things if isinstance(thing, Claim)],
+            [thing for thing in things if isinstance(thing, Panel)],
+            [thing for thing in things if isinstance(thing, Table)],
+            [thing for thing in things if isinstance(thing, KeyNumber)],
+            counted,
+        )
 
     def __add__(self, other: Outcome) -> Outcome:
         return Outcome(
-            self.rows + other.rows,
+            self.claims + other.claims,
             self.panels + other.panels,
             self.tables + other.tables,
             self.key_numbers + other.key_numbers,
+            self.counted or other.counted,
         )
 
-
-class Runner:
-    """Runs systems one after the other, says how far all is, and keeps the manifests."""
-
-    def __init__(self, progress: Progress, runs: int, run: Callable[..., Result]) -> None:
-        self._progress, self._runs, self._run, self._done = progress, runs, run, 0
-        self.runs: list[tuple[str, Mapping[str, Any]]] = []  # label and manifest
-
-    def __call__(self, label: str, system: System, **settings: Any) -> Result:
-        """Run `system` with the keyword arguments of `run`: by co-simulation, unless they name another method."""
-        self._progress(self._done / self._runs, label)
-        result = self._run(
-            system,
-            **{"method": CoSimulation(), **settings},
-            progress=lambda part: self._progress((self._done + part) / self._runs, label),
+    def within(self, group: str, title: str) -> Outcome:
+        """The same under a heading of the report, its claims as a table of this title; "": they are shown otherwise."""
+        tables = [claims_table(self.claims, title), *self.tables] if title and self.claims else self.tables
+        return replace(
+            self,
+            panels=[panel if panel.group else replace(panel, group=group) for panel in self.panels],
+            tables=[table if table.group else replace(table, group=group) for table in tables],
         )
-        self._done += 1
-        self.runs.append((label, result.manifest))
-        return result
 
+    def scored(self) -> list[Claim]:
+        """The claims that make the score: those of the reading that counts, and those of no reading."""
+        return [claim for claim in self.claims if self._counts(claim)]
 
-def manifest_of(choices: Any, runs: Sequence[tuple[str, Mapping[str, Any]]]) -> dict[str, Any]:
-    """How the study was run, for its report: what the runs share once, and a line for each of them."""
-    components = [component for _, manifest in runs for component in manifest["system"]["components"].values()]
-    files = {c["file"]: {"fmi_version": c["fmi_version"], "sha256": c["sha256"]} for c in components}
-    return {
-        "started": runs[0][1]["started"],
-        "choices": {
-            f.name: {"value": getattr(choices, f.name), "meaning": f.metadata.get("help", "")} for f in fields(choices)
-        },
-        "FMUs": dict(sorted(files.items())),
-        "versions": runs[0][1]["versions"],
-        "runs": [
+    def rows(self, study: str) -> list[dict[str, Any]]:
+        """The claims as `rows.json` and `rows.csv` have them; `counted` says whether one belongs to the score."""
+        return [
             {
-                "run": label,
-                "system": m["system"]["name"],
-                **{name: value for name, value in m["settings"].items() if name != "record"},
-                "seeds": m["seeds"],
-                "CPU time [s]": m["timing"]["cpu_s"],
+                "study": study,
+                "table": claim.where,
+                "cell": claim.statement,
+                "settings": claim.settings,
+                "reading": claim.reading,
+                "counted": self._counts(claim),
+                "printed": claim.printed,
+                "ours": claim.measure,
+                "relative_error": claim.error,
+                "verdict": claim.verdict,
+                "note": claim.note,
             }
-            for label, m in runs
-        ],
-    }
+            for claim in self.claims
+        ]
+
+    def _counts(self, claim: Claim) -> bool:
+        return claim.reading in ("", self.counted)
 
 
-def as_json(rows: Sequence[Row]) -> str:
+def tally(claims: Iterable[Claim]) -> dict[Verdict, int]:
+    """How many claims have each verdict, of those that occur."""
+    verdicts = [claim.verdict for claim in claims]
+    return {verdict: verdicts.count(verdict) for verdict in get_args(Verdict) if verdict in verdicts}
+
+
+def as_json(rows: Sequence[Mapping[str, Any]]) -> str:
     """One array with an object per row; what is not finite becomes null."""
-    return json.dumps([{key: _finite(value) for key, value in asdict(row).items()} for row in rows], indent=2)
+    return json.dumps([{key: _finite(value) for key, value in row.items()} for row in rows], indent=2)
 
 
-def write_csv(path: Path, rows: Sequence[Row]) -> None:
-    """One line per row under the fixed names."""
+def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    """One line per row, under its keys."""
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, [column.name for column in fields(Row)])
+        writer = csv.DictWriter(file, list(rows[0]) if rows else [])
         writer.writeheader()
-        writer.writerows(asdict(row) for row in rows)
+        writer.writerows(rows)
 
 
-def claims_table(rows: Sequence[Row], title: str, group: str) -> Table:
-    """The rows as a table of a report."""
-    cells = [[r.cell, r.settings, r.printed, r.ours, r.relative_error, r.verdict, r.note] for r in rows]
+def claims_table(claims: Sequence[Claim], title: str, group: str = "") -> Table:
+    """The claims as a table of a report."""
+    cells = [[c.statement, c.settings, c.printed, c.measure, c.error, c.verdict, c.note] for c in claims]
     columns = ["claim", "settings", "printed", "ours", "relative error", "verdict", "note"]
-    if all(row.relative_error is None for row in rows):
+    if all(claim.error is None for claim in claims):
         columns, cells = [*columns[:4], *columns[5:]], [[*cell[:4], *cell[5:]] for cell in cells]
     return Table(title, columns, cells, group=group)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isnan
 from pathlib import Path
@@ -32,7 +32,7 @@ class KeyNumber:
 class Table:
     """Rows of cells (text, numbers, None) under `columns`; `group` is a heading shared by several tables and panels.
 
-    A table with a column `verdict` is shown before the panels of its group, with the verdicts in colours and counted.
+    A table with a column `verdict` is shown before the panels of its group, with the verdicts in colours.
     """
 
     title: str
@@ -61,11 +61,13 @@ def write(
     *,
     key_numbers: Sequence[KeyNumber] = (),
     command: str = "",
+    tally: Mapping[Any, int] | None = None,
+    tally_note: str = "",
 ) -> Path:
     """Writes the page and returns its path; the folder is made if it is missing.
 
     `manifest` may be nested as it likes: its scalars become a list, its mappings and lists of mappings tables.
-    `command` is shown as the way to run again.
+    `command` is shown as the way to run again. `tally` counts verdicts, for the top; `tally_note` says of what.
     """
     import jinja2  # here, for commands without a report
     from plotly.offline import get_plotlyjs
@@ -83,7 +85,8 @@ def write(
         title=title,
         summary=summary,
         key_numbers=key_numbers,
-        tally=_tally(tables),
+        tally=tally or {},
+        tally_note=tally_note.strip(", "),
         sections=_sections(panels, tables),
         facts=_facts(manifest),
         manifest_tables=_manifest_tables(manifest),
@@ -116,16 +119,6 @@ def _is_number(value: Any) -> bool:
 
 def _verdict_class(value: Any) -> str:
     return {"reproduced": "good", "not reproduced": "bad", "wrong in print": "odd"}.get(str(value), "plain")
-
-
-def _tally(tables: Iterable[Table]) -> dict[str, int]:
-    counts: dict[str, int] = {}
-    for table in tables:
-        if "verdict" in table.columns:
-            column = list(table.columns).index("verdict")
-            for row in table.rows:
-                counts[str(row[column])] = counts.get(str(row[column]), 0) + 1
-    return counts
 
 
 def _sections(panels: Sequence[Panel], tables: Sequence[Table]) -> list[_Section]:

@@ -63,6 +63,8 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
         MANIFEST,
         key_numbers=[KeyNumber("Settled after", 42.5, "s", "printed: 60 s")],
         command="adcs run x --set 'a=1' && more",
+        tally={"reproduced": 2, "not reproduced": 1, "wrong in print": 1},
+        tally_note=", as read",
     )
 
 
@@ -96,10 +98,10 @@ def test_sections_follow_the_groups_with_verdicts_first(written: Path) -> None:
     assert [a.get("href") for a in tree.xpath("//nav/a")] == ["#section-0", "#section-1", "#run"]
 
 
-def test_verdicts_are_counted_and_coloured(written: Path) -> None:
+def test_the_count_of_verdicts_is_shown_and_they_are_coloured(written: Path) -> None:
     tree = page(written)
     tally = [text_of(chip) for chip in tree.xpath("//p[@class='tally']/span")]
-    assert tally == ["2 reproduced", "1 not reproduced", "1 wrong in print"]
+    assert tally == ["2 reproduced", "1 not reproduced", "1 wrong in print", "as read"]
     assert [chip.get("class") for chip in tree.xpath("//td/span")] == ["chip good", "chip bad", "chip good", "chip odd"]
 
 

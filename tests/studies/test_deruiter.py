@@ -18,23 +18,24 @@ from adcs.library.deruiter.settings import Choices
 from adcs.library.deruiter.signals import (
     ATTITUDE,
     ATTITUDE_ESTIMATE,
+    DISTANCE,
+    DISTANCE_P,
     FILTERED,
     RATE,
     RATE_ESTIMATE,
     TORQUE,
-    Signals,
     signals,
 )
 from adcs.library.outcome import Outcome
+from adcs.library.trajectory import Trajectory
 
 
-def made_up(size: float, error: float = 0.0) -> Signals:
+def made_up(size: float, error: float = 0.0, distance: float = 0.2, distance_p: float = 1.04) -> Trajectory:
     """Errors of constant size over 1500 s; the rate estimate is off by a constant."""
     time = np.linspace(0, 1500, 151)
-    norms = {name: np.full(151, size) for name in (ATTITUDE, RATE, FILTERED, TORQUE)}
-    estimation = {RATE_ESTIMATE: np.tile([0.0, error, 0.0], (151, 1))}
-    norms[RATE_ESTIMATE] = np.full(151, error)
-    return Signals(time, norms, estimation, {"theta": np.full(151, 0.2), "theta_p": np.full(151, 1.04)})
+    sizes = {ATTITUDE: size, RATE: size, FILTERED: size, TORQUE: size, DISTANCE: distance, DISTANCE_P: distance_p}
+    values = {what: np.full(151, value) for what, value in sizes.items()}
+    return Trajectory(time, {**values, RATE_ESTIMATE: np.tile([0.0, error, 0.0], (151, 1))})
 
 
 # --- choices and what they presuppose ---------------------------------------------------------------------------------
@@ -105,20 +106,20 @@ def test_what_is_guaranteed_with_the_choices_as_they_are() -> None:
 
 
 def test_design_tables() -> None:
-    outcome = study.design(Choices())
+    outcome = Outcome.of(study.design(Choices()))
     values, conditions = outcome.tables
     assert values.rows[0] == ["v_q, attitude estimation error", 0.0, 1e-3, 0.0]
     assert len(conditions.rows) == 7
     assert conditions.rows[0][3:] == ["0 < 0.3", "0.0003674 < 0.3", "0.001686 < 0.3"]
     assert "fails" not in str(conditions.rows)
-    without = study.design(Choices(lam=1e-4)).tables[1].rows
+    without = Outcome.of(study.design(Choices(lam=1e-4))).tables[1].rows
     assert [row[0] for row in without if "fails" in row[3]] == ["bound below 1"]
 
 
 def test_errata() -> None:
-    rows = study.errata(Choices()).rows
+    rows = study.errata(Choices())
     assert {row.verdict for row in rows} == {"wrong in print"}
-    assert ("v", "y") in {(row.printed, row.ours) for row in rows}
+    assert ("v", "y") in {(row.printed, row.measure) for row in rows}
 
 
 def test_phases_of_the_errors_follow_the_seed() -> None:
@@ -150,11 +151,11 @@ def test_signals_are_those_of_the_definitions() -> None:
     """Errors at the start: 120 degrees off, and the rate less that of the reference."""
     result = run_system(systems.bounded_errors(), stop_time=1.0, step=0.25, method=ModelExchange())
     run = signals(result)
-    assert run.norms[ATTITUDE][0] == pytest.approx(np.sin(np.radians(60)))
-    assert run.norms[ATTITUDE_ESTIMATE].max() <= 1e-3
-    assert run.norms[RATE_ESTIMATE].max() <= 1e-4
+    assert run.start(ATTITUDE) == pytest.approx(np.sin(np.radians(60)))
+    assert run.peak(ATTITUDE_ESTIMATE) <= 1e-3
+    assert run.peak(RATE_ESTIMATE) <= 1e-4
     offset = np.linalg.norm(result["controller.theta_p_offset"], axis=1) / 0.015
-    np.testing.assert_allclose(run.distance["theta_p"], offset, rtol=1e-9, atol=1e-7)
+    np.testing.assert_allclose(run[DISTANCE_P], offset, rtol=1e-9, atol=1e-7)
     assert offset[-1] > 0.01
     assert run.after(0.5).time.tolist() == [0.5, 0.75, 1.0]
     assert run.speed(RATE_ESTIMATE) <= Choices().errors().rate_rate
@@ -193,22 +194,21 @@ class TestVerdicts:
         ],
     )
     def test_bounds(self, size: float, error: float, verdicts: list[str]) -> None:
-        rows = bounded._rows(self.case("observer knows the inertia"), made_up(size, error), self.choices)
+        rows = list(bounded._claims(self.case("observer knows the inertia"), made_up(size, error), self.choices))
         assert [row.verdict for row in rows[:2]] == verdicts
         assert ("beyond its bound" in rows[0].note) == (error > 8e-4)
         assert rows[2].verdict == "reproduced"
-        assert rows[2].ours == pytest.approx(1.04)
+        assert rows[2].measure == pytest.approx(1.04)
 
     def test_an_estimate_outside_its_ball(self) -> None:
-        run = made_up(1e-4)
-        run = Signals(run.time, run.norms, run.estimation, {"theta": 1.05 * np.ones(151), "theta_p": np.zeros(151)})
-        rows = bounded._rows(self.case("exact states"), run, self.choices)
+        run = made_up(1e-4, distance=1.05, distance_p=0.0)
+        rows = list(bounded._claims(self.case("exact states"), run, self.choices))
         assert [row.verdict for row in rows] == ["reproduced", "reproduced", "not reproduced"]
         assert exact._edge("made up", run, self.choices).verdict == "not reproduced"
 
     def test_sequence(self) -> None:
-        row = bounded._sequence_row(ERRORS, self.choices.guarantee(self.choices.errors()))
-        assert (row.verdict, row.ours) == ("reproduced", "0.0130499, 0.0130494, limit 0.0130494")
+        row = bounded._sequence(ERRORS, self.choices.guarantee(self.choices.errors()))
+        assert (row.verdict, row.measure) == ("reproduced", "0.0130499, 0.0130494, limit 0.0130494")
 
 
 # --- the study, shortened ---------------------------------------------------------------------------------------------
@@ -226,10 +226,10 @@ def outcome() -> Outcome:
 
 
 def test_rows_of_a_run_that_is_too_short(outcome: Outcome) -> None:
-    bounds = [row for row in outcome.rows if row.table == "Theorem 1"]
+    bounds = [row for row in outcome.claims if row.where == "Theorem 1"]
     assert len(bounds) == 8
     assert {row.verdict for row in bounds} == {"not reproduced"}
-    kept = [row for row in outcome.rows if row.cell == "estimates stay in G and G_p"]
+    kept = [row for row in outcome.claims if row.statement == "estimates stay in G and G_p"]
     assert [row.verdict for row in kept] == ["reproduced"] * 6
 
 

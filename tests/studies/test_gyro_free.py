@@ -10,36 +10,39 @@ import pytest
 from adcs import AdcsError
 from adcs import run as run_system
 from adcs.catalogue import SYSTEMS
-from adcs.library.outcome import Outcome, Row, Runner
+from adcs.library.outcome import Claim, Outcome
+from adcs.library.sections import Section, conduct
 from adcs.library.thakur import study
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.gyro_free import claims as gyro_free
 from adcs.library.thakur.gyro_free import noise as gyro_free_noise
+from adcs.library.thakur.gyro_free import random_starts
 from adcs.library.thakur.gyro_free import steps as gyro_free_steps
 from adcs.library.thakur.gyro_free import theorem as gyro_free_theorem
 from adcs.library.thakur.gyro_free.claims import FULL_STATE, GYRO_FREE
 from adcs.library.thakur.gyro_free.level import printed_level, resting_attitudes, start_value, sufficient_level
 from adcs.library.thakur.gyro_free.settings import HALF_ANGLE, Start
-from adcs.library.thakur.gyro_free.signals import ANGLE, RATE, TORQUE, Motion
+from adcs.library.thakur.gyro_free.signals import ANGLE, RATE, TORQUE
 from adcs.library.thakur.observer import inertia_errors, quest
+from adcs.library.trajectory import Trajectory
 
 SHORT = Choices(stop_time=121.0, steady_from=120.0)
 
 
-def runner(runs: int = 100) -> Runner:
-    return Runner(lambda done, text: None, runs, run_system)
+def shown(section: Section) -> Outcome:
+    return conduct([section])[0]
 
 
-def row(outcome: Outcome, cell: str, settings: str = "") -> Row:
-    (found,) = [r for r in outcome.rows if r.cell.startswith(cell) and r.settings.startswith(settings)]
+def row(outcome: Outcome, cell: str, settings: str = "") -> Claim:
+    (found,) = [r for r in outcome.claims if r.statement.startswith(cell) and r.settings.startswith(settings)]
     return found
 
 
-def made_up(level: float) -> Motion:
+def made_up(level: float) -> Trajectory:
     """All fall from 1 and stay at `level`."""
     time = np.linspace(0, 400, 801)
     values = np.maximum(np.exp(-time / 10), level)
-    return Motion(time, {ANGLE: values, RATE: values, TORQUE: values}, {})
+    return Trajectory(time, {ANGLE: values, RATE: values, TORQUE: values})
 
 
 @pytest.mark.parametrize("name", ["gyro-free", "gyro-free-full-state", "quest-observer-pd", "observer-inertia-error"])
@@ -108,7 +111,7 @@ class TestLevel:
 
 @pytest.fixture(scope="module")
 def exact() -> Outcome:
-    return gyro_free.noise_free(runner(), SHORT)
+    return shown(gyro_free.noise_free(SHORT))
 
 
 class TestNoiseFree:
@@ -125,20 +128,20 @@ class TestNoiseFree:
         ],
     )
     def test_values(self, exact: Outcome, cell: str, settings: str, expected: float) -> None:
-        assert row(exact, cell, settings).ours == pytest.approx(expected, rel=1e-3, abs=1e-6)
+        assert row(exact, cell, settings).measure == pytest.approx(expected, rel=1e-3, abs=1e-6)
         assert row(exact, cell, settings).verdict == "reproduced"
 
     def test_p_and_figures(self, exact: Outcome) -> None:
-        assert row(exact, "P").ours == "diag(1.75, 0.525, 1.05)"
+        assert row(exact, "P").measure == "diag(1.75, 0.525, 1.05)"
         titles = " ".join(panel.title for panel in exact.panels)
         assert all(f"Fig. {n}" in titles for n in ("4.1a", "4.1b", "4.2a", "4.2b"))
 
 
 def test_theorem() -> None:
-    outcome = gyro_free_theorem.theorem(runner(), SHORT)
-    assert [r.verdict for r in outcome.rows] == ["wrong in print", "reproduced"]
-    assert outcome.rows[0].ours == "stays at 180°"
-    assert outcome.rows[1].ours == pytest.approx(0.1053, rel=1e-3)
+    outcome = shown(gyro_free_theorem.theorem(SHORT))
+    assert [r.verdict for r in outcome.claims] == ["wrong in print", "reproduced"]
+    assert outcome.claims[0].measure == "stays at 180°"
+    assert outcome.claims[1].measure == pytest.approx(0.1053, rel=1e-3)
     (number,) = outcome.key_numbers
     assert number.value == pytest.approx(0.038787, rel=1e-4)
     assert [r[4] for r in outcome.tables[1].rows] == [30.0, 30.0, 30.0, 242.0, None]
@@ -148,14 +151,14 @@ def test_theorem() -> None:
 
 
 def test_steps_are_of_first_order() -> None:
-    (table,) = gyro_free_steps.exchange_steps(runner(), SHORT).tables
+    (table,) = shown(gyro_free_steps.exchange_steps(SHORT)).tables
     fine, coarse = np.array(table.rows[0][2:], float), np.array(table.rows[1][2:], float)
     assert (table.rows[0][1], table.rows[1][1]) == (1.0, 10.0)
     np.testing.assert_allclose(coarse / fine, 10, rtol=0.02)
 
 
 class TestNoise:
-    def rows(self, own: float, full: float) -> list[Row]:
+    def rows(self, own: float, full: float) -> list[Claim]:
         runs = {
             (control, angle): [made_up(10 * level if angle > HALF_ANGLE else level) for _ in range(2)]
             for control, level in ((GYRO_FREE, own), (FULL_STATE, full))
@@ -175,51 +178,53 @@ class TestNoise:
 
     def test_worse_than_full_state(self) -> None:
         failing = [r for r in self.rows(3e-4, 1e-4) if r.verdict != "reproduced"]
-        assert [r.ours for r in failing] == pytest.approx([3, 3])
-        assert all("gyro-free / full state" in r.cell for r in failing)
+        assert [r.measure for r in failing] == pytest.approx([3, 3])
+        assert all("gyro-free / full state" in r.statement for r in failing)
 
     def test_a_changed_transient(self) -> None:
-        failing = {r.cell.partition(":")[0] for r in self.rows(0.1, 0.1) if r.verdict != "reproduced"}
+        failing = {r.statement.partition(":")[0] for r in self.rows(0.1, 0.1) if r.verdict != "reproduced"}
         assert failing >= {"transient of the rotation angle", "transient of the angular velocity"}
 
     def test_random_starts(self) -> None:
         choices = Choices(starts=2, rest_stop_time=250.0, rest_from=200.0)
-        outcome = gyro_free_noise.random_starts(runner(), choices)
-        assert [(r.ours, r.verdict) for r in outcome.rows] == [("2 of 2", "reproduced")] * 2
-        starts = gyro_free_noise.draw_starts(Choices(starts=100))
-        assert starts[:2] == gyro_free_noise.draw_starts(choices)
+        outcome = shown(random_starts.random_starts(choices))
+        assert [(r.measure, r.verdict) for r in outcome.claims] == [("2 of 2", "reproduced")] * 2
+        starts = random_starts.draw_starts(Choices(starts=100))
+        assert starts[:2] == random_starts.draw_starts(choices)
         np.testing.assert_allclose(np.linalg.norm([s.q_BN for s in starts], axis=1), 1, atol=1e-15)
         assert 0.019 < np.abs([s.omega_BN_B for s in starts]).max() <= 0.02
 
 
 def test_quest_is_identical_and_keeps_its_sign() -> None:
-    outcome = quest.quest(runner(), SHORT)
-    assert {r.verdict for r in outcome.rows} == {"reproduced"}
-    assert all(float(r.ours) < 1e-7 for r in outcome.rows[:-1])  # type: ignore[arg-type]
-    assert float(outcome.rows[-1].ours) < 0.06  # type: ignore[arg-type]
-    assert "from 0.985 to -0.98" in outcome.rows[-1].note
+    outcome = shown(quest.quest(SHORT))
+    assert {r.verdict for r in outcome.claims} == {"reproduced"}
+    assert all(float(r.measure) < 1e-7 for r in outcome.claims[:-1])  # type: ignore[arg-type]
+    assert float(outcome.claims[-1].measure) < 0.06  # type: ignore[arg-type]
+    assert "from 0.985 to -0.98" in outcome.claims[-1].note
     fine, coarse = outcome.tables[1].rows
     assert coarse[1] / fine[1] == pytest.approx(10, rel=0.02)
 
 
 @pytest.fixture(scope="module")
 def wrong_inertia() -> Outcome:
-    return inertia_errors.inertia_errors(runner(), Choices())
+    return shown(inertia_errors.inertia_errors(Choices()))
 
 
 class TestInertiaErrors:
     def test_norms(self, wrong_inertia: Outcome) -> None:
-        assert row(wrong_inertia, "norm of ΔJ₁").ours == pytest.approx(0.1220, abs=1e-4)
-        assert row(wrong_inertia, "norm of ΔJ₂").ours == pytest.approx(0.2054, abs=1e-4)
+        assert row(wrong_inertia, "norm of ΔJ₁").measure == pytest.approx(0.1220, abs=1e-4)
+        assert row(wrong_inertia, "norm of ΔJ₂").measure == pytest.approx(0.2054, abs=1e-4)
         assert row(wrong_inertia, "norm of ΔJ₂").verdict == "not reproduced"
         assert row(wrong_inertia, "which error is larger").verdict == "wrong in print"
 
     def test_transients_and_residual_sets(self, wrong_inertia: Outcome) -> None:
-        assert row(wrong_inertia, "attitude estimation error converges", inertia_errors.SECOND).ours == 21.1
-        assert row(wrong_inertia, "rate estimation error converges", inertia_errors.FIRST).ours == pytest.approx(23.6)
-        for r in wrong_inertia.rows:
-            if "steady state" in r.cell:
-                assert 1e-5 < float(r.ours) < 1e-4  # type: ignore[arg-type]
+        assert row(wrong_inertia, "attitude estimation error converges", inertia_errors.SECOND).measure == 21.1
+        assert row(wrong_inertia, "rate estimation error converges", inertia_errors.FIRST).measure == pytest.approx(
+            23.6
+        )
+        for r in wrong_inertia.claims:
+            if "steady state" in r.statement:
+                assert 1e-5 < float(r.measure) < 1e-4  # type: ignore[arg-type]
                 assert r.verdict == "reproduced"
 
 

@@ -11,7 +11,7 @@ import pytest
 from adcs import AdcsError
 from adcs.cli import study as cli
 from adcs.library.entry import StudyEntry
-from adcs.library.outcome import Outcome, Progress, Row
+from adcs.library.outcome import Claim, Outcome, Progress
 from orchestration.results.plots import Panel, Series
 from tests.invoking import invoke
 
@@ -36,9 +36,14 @@ class Choices:
 
 def run(choices: Choices, progress: Progress) -> tuple[Outcome, list[tuple[str, dict[str, Any]]]]:
     progress(0.5, "working")
-    rows = [Row("toy", "Table 1", "a", "", 1.0, choices.settled, None, "reproduced")]
+    claims = [
+        Claim("Table 1", "a", "", 1.0, choices.settled, True, reading="as made"),
+        Claim("Table 1", "a", "", 1.0, 5.0, False, reading="literal"),
+        *(Claim("Table 2", f"missed {i}", "", 1.0, 2.0, False) for i in range(1, choices.draws)),
+    ]
     curve = Series("s", np.arange(3), np.arange(3))
-    return Outcome(rows, [Panel("p", "y", [curve], group="1.2  First & last")]), [("the run", MANIFEST)]
+    panel = Panel("p", "y", [curve], group="1.2  First & last")
+    return Outcome(claims, [panel], counted="as made"), [("the run", MANIFEST)]
 
 
 @pytest.fixture(autouse=True)
@@ -59,12 +64,42 @@ def test_files() -> None:
     folder = Path("results/study-toy")
     names = {"index.html", "rows.csv", "rows.json", "runs.json", "1-2-first-last.png"}
     assert {file.name for file in folder.iterdir()} == names
-    assert "1 reproduced" in result.stdout
+    assert "4 claims, as made: 1 reproduced, 3 not reproduced" in result.stdout
     assert str(folder / "index.html") in result.stdout
     page = (folder / "index.html").read_text(encoding="utf-8")
     assert "adcs study toy" in page
     assert "ab12" in page
+    assert "<b>1</b> reproduced" in page
+    assert "<b>3</b> not reproduced" in page, "the score of the terminal"
+    assert "as made" in page
     assert json.loads((folder / "runs.json").read_text(encoding="utf-8")) == [{"run": "the run", **MANIFEST}]
+
+
+def lines(*arguments: str) -> list[str]:
+    """What is printed, without the frames of tables and the spaces."""
+    text = invoke(cli.app, ["toy", *arguments]).stdout
+    return [" ".join(line.strip("│┃ ").replace("│", " ").split()) for line in text.splitlines()]
+
+
+def test_verdicts_are_counted_by_place_and_reading_and_the_misses_named() -> None:
+    shown = lines()
+    assert "Table 1 as made 1" in shown
+    assert "Table 1 literal 1" in shown
+    assert "Table 2 3" in shown
+    assert "all as made 1" in shown
+    assert "all literal 1" in shown
+    assert "Table 2 missed 3 1 2" in shown
+    assert not [line for line in shown if line.startswith("Table 1 a 1")], "neither what holds nor what does not count"
+
+
+def test_many_misses_are_cut_and_all_shows_everything() -> None:
+    shown = lines("--set", "draws=31")
+    assert "Table 2 missed 20 1 2" in shown
+    assert "Table 2 missed 21 1 2" not in shown
+    assert "and 10 more: the report has all, and so have --all and --json" in shown
+    everything = lines("--set", "draws=31", "--all")
+    assert "Table 2 missed 30 1 2 not reproduced" in everything
+    assert "Table 1 a 1 5 not reproduced" in everything
 
 
 def test_out_names_the_folder() -> None:

@@ -10,7 +10,8 @@ import pytest
 from adcs import AdcsError
 from adcs import run as run_system
 from adcs.catalogue import SYSTEMS
-from adcs.library.outcome import Outcome, Row, Runner
+from adcs.library.outcome import Claim, Outcome
+from adcs.library.sections import Section, conduct
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.observer import exchange_step, noise, noise_free, random_starts
 from adcs.library.thakur.observer.noise_free import FULL_STATE, OBSERVER
@@ -21,38 +22,20 @@ from adcs.library.thakur.observer.signals import (
     RATE,
     RATE_ESTIMATE,
     TORQUE,
-    Signals,
 )
-from adcs.library.thakur.sequences import spread
+from adcs.library.thakur.sequences import residual_set, spread, steady
+from adcs.library.trajectory import Trajectory
 
 
-def runner(runs: int = 1000) -> Runner:
-    return Runner(lambda done, text: None, runs, run_system)
+def shown(section: Section) -> Outcome:
+    return conduct([section])[0]
 
 
-def made_up(size: float, time: np.ndarray, *, observer: bool = True) -> Signals:
+def made_up(size: float, time: np.ndarray, *, observer: bool = True) -> Trajectory:
     """All errors decay from 1 and stay at `size`."""
     norm = np.maximum(np.exp(-time), size)
     names = (*ERRORS, TORQUE) if observer else (ATTITUDE, RATE, TORQUE)
-    return Signals(time, {name: np.outer(norm, [0.6, 0.0, 0.8]) for name in names})
-
-
-class TestSignals:
-    time = np.linspace(0, 10, 1001)
-
-    def test_measures(self) -> None:
-        run = Signals(self.time, {"a": np.outer(np.exp(-self.time), [3.0, 0.0, -4.0])})
-        assert run.peak("a") == pytest.approx(5)
-        assert run.settling_time("a", 0.02) == pytest.approx(-np.log(0.02), abs=0.01)
-        assert run.area("a") == pytest.approx(5 * (1 - np.exp(-10)), rel=1e-5)
-        assert run.oscillation("a") == pytest.approx(7 * (1 - np.exp(-10)), rel=1e-12)
-
-    def test_parts(self) -> None:
-        run = made_up(0.1, self.time)
-        assert run.since(4.0).time[[0, -1]].tolist() == [4.0, 10.0]
-        assert run.until(4.0).time[[0, -1]].tolist() == [0.0, 4.0]
-        assert run.every(100).time.tolist() == list(range(11))
-        assert run.since(4.0).vectors[RATE].shape == (601, 3)
+    return Trajectory(time, {name: np.outer(norm, [0.6, 0.0, 0.8]) for name in names})
 
 
 @pytest.mark.parametrize(
@@ -87,7 +70,7 @@ def test_every_tracking_system_builds_runs_and_is_shown(name: str) -> None:
 
 @pytest.fixture(scope="module")
 def outcome() -> Outcome:
-    return noise_free.noise_free(runner(), Choices(stop_time=100.0, steady_from=90.0))
+    return shown(noise_free.noise_free(Choices(stop_time=100.0, steady_from=90.0)))
 
 
 class TestNoiseFree:
@@ -104,8 +87,8 @@ class TestNoiseFree:
     )
     def test_convergence(self, outcome: Outcome, cell: str, control: str, expected: float) -> None:
         """Values of an independent closed loop in SciPy, to the output step."""
-        (row,) = [r for r in outcome.rows if r.cell == f"{cell} converges [s]" and r.settings == control]
-        assert row.ours == pytest.approx(expected, abs=0.1)
+        (row,) = [r for r in outcome.claims if r.statement == f"{cell} converges [s]" and r.settings == control]
+        assert row.measure == pytest.approx(expected, abs=0.1)
         assert row.verdict == "reproduced"
 
     @pytest.mark.parametrize(
@@ -119,8 +102,8 @@ class TestNoiseFree:
         ],
     )
     def test_comparison(self, outcome: Outcome, start: str, expected: float, verdict: str) -> None:
-        row = next(row for row in outcome.rows if row.cell.startswith(start))
-        assert row.ours == pytest.approx(expected, abs=0.002)
+        row = next(row for row in outcome.claims if row.statement.startswith(start))
+        assert row.measure == pytest.approx(expected, abs=0.002)
         assert row.verdict == verdict
 
     def test_figures(self, outcome: Outcome) -> None:
@@ -139,10 +122,10 @@ class TestNoiseFree:
     def test_an_error_that_does_not_settle_is_not_reproduced(self) -> None:
         time = np.linspace(0, 100, 1001)
         pair = {OBSERVER: made_up(0.03, time), FULL_STATE: made_up(1e-3, time, observer=False)}
-        rows = noise_free._convergence(pair, Choices())
+        rows = list(noise_free._convergence(pair, Choices()))
         assert [row.verdict for row in rows if row.settings == OBSERVER] == ["not reproduced"] * 4
         assert [row.verdict for row in rows if row.settings == FULL_STATE] == ["reproduced"] * 2
-        assert all(np.isnan(row.ours) for row in rows if row.settings == OBSERVER)  # type: ignore[arg-type]
+        assert all(np.isnan(row.measure) for row in rows if row.settings == OBSERVER)  # type: ignore[arg-type]
 
 
 class TestExchangeStep:
@@ -156,7 +139,7 @@ class TestExchangeStep:
         steps = (0.005, 0.01)
         monkeypatch.setattr(exchange_step, "STEPS", steps)
         monkeypatch.setattr(exchange_step, "DRAWN", steps)
-        outcome = exchange_step.exchange_step(runner(), Choices(stop_time=61.0, steady_from=60.0, shown=60.0))
+        outcome = shown(exchange_step.exchange_step(Choices(stop_time=61.0, steady_from=60.0, shown=60.0)))
         orders = [float(row[-1]) for table in outcome.tables[:2] for row in table.rows]
         assert len(orders) == 6
         assert orders == pytest.approx([1.0] * 6, abs=0.02)
@@ -167,23 +150,23 @@ class TestExchangeStep:
 class TestNoise:
     time = np.linspace(0, 200, 401)
 
-    def rows(self, observer: float, full: float) -> list[Row]:
+    def rows(self, observer: float, full: float) -> list[Claim]:
         runs = {
             (control, angle): [made_up(10 * size if angle == noise.LARGE else size, self.time) for _ in range(2)]
             for control, size in ((OBSERVER, observer), (FULL_STATE, full))
             for angle in (noise.SMALL, noise.LARGE)
         }
-        steady = {key: noise.steady_values(value, Choices()) for key, value in runs.items()}
+        level = {key: steady(value, Choices().steady_from) for key, value in runs.items()}
         return [
-            *noise._bounded(runs, steady, Choices()),
-            *noise._slightly_better(runs, steady, Choices()),
-            *noise._angles(steady),
+            *noise._bounded(runs, level, Choices()),
+            *noise._slightly_better(runs, level, Choices()),
+            *noise._angles(level),
         ]
 
-    def judged(self, rows: list[Row], text: str) -> dict[Any, set[str]]:
-        found = [row for row in rows if text in row.cell]
+    def judged(self, rows: list[Claim], text: str) -> dict[Any, set[str]]:
+        found = [row for row in rows if text in row.statement]
         assert found
-        return {"ours": {f"{row.ours:.3g}" for row in found}, "verdict": {row.verdict for row in found}}
+        return {"ours": {f"{row.measure:.3g}" for row in found}, "verdict": {row.verdict for row in found}}
 
     def test_all_reproduced(self) -> None:
         assert {row.verdict for row in self.rows(1.5e-4, 1e-4)} == {"reproduced"}
@@ -207,8 +190,10 @@ class TestNoise:
 
     def test_real_noise_keeps_the_errors_from_vanishing(self) -> None:
         choices = Choices(stop_time=100.0, steady_from=90.0, draws=1)
-        small, large = (noise._draws(runner(), OBSERVER, angle, 0.5, choices) for angle in (0.05, 0.5))
-        a, b = noise.steady_values(small, choices), noise.steady_values(large, choices)
+        runs = {angle: noise.drawn(OBSERVER, angle, 0.5, 1, choices) for angle in (0.05, 0.5)}
+        found: dict[float, Trajectory] = {}
+        conduct([Section("", "", lambda seen: found.update(seen) or [], runs)])
+        a, b = (steady([run], choices.steady_from) for run in found.values())
         assert 1e-5 < a[RATE_ESTIMATE] < 1e-3  # 1e-8 without noise
         assert b[ATTITUDE_ESTIMATE] / a[ATTITUDE_ESTIMATE] == pytest.approx(10, rel=0.05)
 
@@ -233,5 +218,5 @@ class TestRandomStarts:
 
     def test_a_run_that_stays_large_is_counted(self) -> None:
         time = np.linspace(0, 200, 401)
-        row = random_starts._row(RATE, [made_up(1e-3, time), made_up(0.5, time)], Choices())
-        assert (row.ours, row.verdict) == ("1 of 2", "not reproduced")
+        row = residual_set("Sec. 5.4.2", "a", 0.05, RATE, [made_up(1e-3, time), made_up(0.5, time)], 120.0, 0.02)
+        assert (row.measure, row.verdict) == ("1 of 2", "not reproduced")

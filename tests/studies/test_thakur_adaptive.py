@@ -11,38 +11,41 @@ import pytest
 from adcs import AdcsError
 from adcs import run as run_system
 from adcs.catalogue import SYSTEMS
-from adcs.library.outcome import Outcome, Row, Runner
+from adcs.library.outcome import Claim, Outcome
+from adcs.library.sections import Section, conduct
 from adcs.library.thakur.adaptive import appendage as adaptive_appendage
 from adcs.library.thakur.adaptive import baseline as adaptive_baseline
 from adcs.library.thakur.adaptive import fuel as adaptive_fuel
+from adcs.library.thakur.adaptive import readings as adaptive_readings
 from adcs.library.thakur.adaptive import settings as adaptive_settings
 from adcs.library.thakur.adaptive import steps as adaptive_steps
 from adcs.library.thakur.adaptive import systems as adaptive_systems
-from adcs.library.thakur.adaptive.appendage import FULL
 from adcs.library.thakur.adaptive.baseline import COMPARISON, PROPOSED
-from adcs.library.thakur.adaptive.signals import ATTITUDE, RATE, TORQUE, Track
+from adcs.library.thakur.adaptive.readings import estimates
+from adcs.library.thakur.adaptive.signals import ATTITUDE, RATE, SIGMA_ERROR, SIGMA_EST, THETA_ERROR, TORQUE
 from adcs.library.thakur.choices import Choices
-
-Runs = dict[str, Track]
-
-
-def runner() -> Runner:
-    return Runner(lambda done, text: None, 1000, run_system)
+from adcs.library.trajectory import Trajectory
 
 
-def made_up(attitude: float, rate: float, *, sigma: float = 0.0, torque: Callable[..., Any] = np.cos) -> Track:
+def shown(section: Section) -> Outcome:
+    return conduct([section])[0]
+
+
+def made_up(attitude: float, rate: float, *, sigma: float = 0.0, torque: Callable[..., Any] = np.cos) -> Trajectory:
     """400 s with errors that fall from 1 to a level, estimates off by `sigma`, torque between 0 and 1."""
     time = np.linspace(0, 400, 4001)
-    norms = {
+    true = np.array([1.0, 1.3])
+    part = (sigma + (1 - sigma) * (1 - np.exp(-time / 50))) * (1 - sigma)
+    theta = np.tile(adaptive_settings.THETA_START, (4001, 1)) - np.array(adaptive_settings.THETA)
+    values = {
         ATTITUDE: np.maximum(np.exp(-time), attitude),
         RATE: np.maximum(np.exp(-time), rate),
         TORQUE: np.abs(torque(time)),
+        THETA_ERROR: theta,
+        SIGMA_EST: np.outer(part, true),
+        SIGMA_ERROR: np.abs(part - 1),
     }
-    theta = np.tile(adaptive_settings.THETA_START, (4001, 1))
-    true = np.array([1.0, 1.3])
-    estimate = true * (sigma + (1 - sigma) * (1 - np.exp(-time / 50)))[:, None] * (1 - sigma)
-    moments = np.tile([3.0, 4.0, 5.0], (4001, 1))
-    return Track(time, norms, theta, estimate, true, moments)
+    return Trajectory(time, values)
 
 
 class TestNumbers:
@@ -66,7 +69,7 @@ class TestNumbers:
         assert low > 3
 
     def test_rows(self) -> None:
-        rows = [*adaptive_baseline._numbers(), *adaptive_baseline._signs()]
+        rows = [*adaptive_baseline._numbers(), *adaptive_baseline.SIGNS]
         verdicts = [row.verdict for row in rows]
         assert verdicts.count("reproduced") == 5
         assert verdicts.count("wrong in print") == 5
@@ -90,17 +93,17 @@ def test_every_system_builds_runs_and_is_shown(name: str) -> None:
 class TestKnownInertia:
     def test_both_laws_are_alike(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(adaptive_baseline, "SHOWN", 30.0)
-        outcome = adaptive_baseline.known_inertia(runner(), Choices())
-        similar = outcome.rows[:3]
+        outcome = shown(adaptive_baseline.known_inertia(Choices()))
+        similar = outcome.claims[:3]
         assert [row.verdict for row in similar] == ["reproduced"] * 3
-        assert [row.ours for row in similar] == pytest.approx([1.0, 0.9275, 1.095], abs=0.01)
+        assert [row.measure for row in similar] == pytest.approx([1.0, 0.9275, 1.095], abs=0.01)
         assert [panel.title[:8] for panel in outcome.panels] == ["Fig. 3.3"] * 3
 
 
 class TestAppendage:
-    def rows(self, proposed: Track, comparison: Track) -> dict[str, Row]:
+    def rows(self, proposed: Trajectory, comparison: Trajectory) -> dict[str, Claim]:
         runs = {PROPOSED: proposed, COMPARISON: comparison}
-        return {row.cell: row for row in adaptive_appendage._errors(runs, "printed", Choices())}
+        return {row.statement: row for row in adaptive_appendage._errors(runs, "printed", Choices())}
 
     def test_as_the_text_says(self) -> None:
         rows = self.rows(made_up(0.9e-4, 0.9e-3), made_up(1e-3, 0.5))
@@ -110,25 +113,25 @@ class TestAppendage:
         rows = self.rows(made_up(2e-4, 2e-3), made_up(5e-3, 0.01))
         assert rows["rate error at 400 s [deg/s]"].verdict == "not reproduced"
         assert rows["attitude error, largest over the last 60 s"].verdict == "not reproduced"
-        assert rows["attitude error saturates"].ours == pytest.approx(5e-3)
+        assert rows["attitude error saturates"].measure == pytest.approx(5e-3)
         assert rows["attitude error saturates"].verdict == "not reproduced"
-        assert rows["rate error in the end: ratio"].ours == pytest.approx(5.0)
+        assert rows["rate error in the end: ratio"].measure == pytest.approx(5.0)
         assert rows["rate error in the end: ratio"].verdict == "not reproduced"
 
     def test_estimates(self) -> None:
         good, bad = made_up(1e-4, 1e-3), made_up(1e-4, 1e-3, sigma=0.5)
-        rows = adaptive_appendage.estimates("Sec. 3.4.1", {PROPOSED: good, FULL: bad}, Choices())
+        rows = list(estimates("Sec. 3.4.1", good, bad, Choices()))
         assert [row.verdict for row in rows] == ["reproduced", "not reproduced", "reproduced"]
-        assert good.sigma_error()[-1] == pytest.approx(np.exp(-8))
+        assert good.end(SIGMA_ERROR) == pytest.approx(np.exp(-8))
 
     def test_short_run_of_the_components(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """Values of an independent closed loop in SciPy at 100 s."""
         monkeypatch.setattr(adaptive_settings, "STOP_TIME", 100.0)
         monkeypatch.setattr(adaptive_appendage, "LATE", 60.0)
-        monkeypatch.setattr(adaptive_appendage, "LAST", 20.0)
-        outcome = adaptive_appendage.moving_appendages(runner(), Choices())
-        rows = [row for row in outcome.rows if row.settings == f"{PROPOSED}, ω₁ = 0.3 rad/s"]
-        largest = {row.cell: row.ours for row in rows if "largest" in row.cell}
+        monkeypatch.setattr(adaptive_readings, "LAST", 20.0)
+        outcome = shown(adaptive_appendage.moving_appendages(Choices()))
+        rows = [row for row in outcome.claims if row.settings == f"{PROPOSED}, ω₁ = 0.3 rad/s"]
+        largest = {row.statement: row.measure for row in rows if "largest" in row.statement}
         assert list(largest.values()) == pytest.approx([4.94e-2, 1.33e-3], rel=0.01)
         assert [panel.title[:8] for panel in outcome.panels[:2]] == ["Fig. 3.4", "Fig. 3.5"]
 
@@ -137,24 +140,23 @@ class TestAppendage:
 def fuel_outcome() -> Outcome:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(adaptive_settings, "STOP_TIME", 70.0)
-        patch.setattr(adaptive_settings, "FREQUENCIES", {"printed": 0.3})
-        patch.setattr(adaptive_fuel, "FREQUENCIES", {"printed": 0.3})
+        patch.setattr(adaptive_readings, "FREQUENCIES", {"printed": 0.3})
         patch.setattr(adaptive_fuel, "DECAY_FROM", 25.0)
-        return adaptive_fuel.losing_fuel(runner(), Choices())
+        return shown(adaptive_fuel.losing_fuel(Choices()))
 
 
 class TestFuel:
     def test_bound_is_reached_and_not_passed(self, fuel_outcome: Outcome) -> None:
-        (row,) = [row for row in fuel_outcome.rows if row.cell.startswith("‖Ĵ₁‖")]
-        assert row.ours == pytest.approx(0.008 * np.sqrt(2), rel=1e-3)
+        (row,) = [row for row in fuel_outcome.claims if row.statement.startswith("‖Ĵ₁‖")]
+        assert row.measure == pytest.approx(0.008 * np.sqrt(2), rel=1e-3)
         assert row.verdict == "reproduced"
 
     def test_law_is_defined(self, fuel_outcome: Outcome) -> None:
-        (row,) = [row for row in fuel_outcome.rows if row.cell.startswith("least implementability")]
-        assert row.ours == pytest.approx(0.9883, abs=1e-4)
+        (row,) = [row for row in fuel_outcome.claims if row.statement.startswith("least implementability")]
+        assert row.measure == pytest.approx(0.9883, abs=1e-4)
 
     def test_torque_peaks_fall(self, fuel_outcome: Outcome) -> None:
-        rows = [row for row in fuel_outcome.rows if row.cell.startswith("peaks of the control torque")]
+        rows = [row for row in fuel_outcome.claims if row.statement.startswith("peaks of the control torque")]
         assert [row.verdict for row in rows] == ["reproduced"] * 2
 
     def test_torque_that_grows_is_seen(self) -> None:
@@ -169,18 +171,16 @@ class TestSteps:
         """The law for fuel loss diverges where its adaptation is sampled at 10 ms, not with a short internal step."""
         monkeypatch.setattr(adaptive_steps, "FUEL_CASES", [(0.01, 0.01), (0.01, 1e-4), (0.001, 1e-4)])
         monkeypatch.setattr(adaptive_steps, "FUEL_STOP_TIME", 3.0)
-        table = adaptive_steps._fuel_limits(runner())
+        (table,) = shown(adaptive_steps.fuel_limits(Choices())).tables
         outcome = [str(cells[2]) for cells in table.rows]
         assert outcome == ["diverges at 1 s", "runs", "runs"]
         assert float(table.rows[2][3]) < 1e-4
 
     def test_first_order(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(adaptive_steps, "STOP_TIME", 10.0)
-        monkeypatch.setattr(adaptive_steps, "FUEL_CASES", [])
-        monkeypatch.setattr(adaptive_steps, "FUEL_STOP_TIME", 0.1)
         appendage = {"appendage": adaptive_steps.SYSTEMS["appendage"]}
         monkeypatch.setattr(adaptive_steps, "SYSTEMS", appendage)
-        fine, coarse = adaptive_steps.exchange_steps(runner(), Choices()).tables[0].rows
+        fine, coarse = shown(adaptive_steps.exchange_steps(Choices())).tables[0].rows
         assert float(coarse[2]) / float(fine[2]) == pytest.approx(10, rel=0.05)
 
 

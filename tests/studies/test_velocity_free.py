@@ -11,7 +11,7 @@ import pytest
 from adcs import AdcsError
 from adcs import run as run_system
 from adcs.catalogue import STUDIES, SYSTEMS
-from adcs.library.outcome import Runner
+from adcs.library.sections import conduct
 from adcs.library.velocity_free import feasible, gain_region, loops, study
 from adcs.library.velocity_free.gain_region import (
     FILTER_BOUNDS,
@@ -190,14 +190,12 @@ def test_the_systems_are_registered_run_and_are_shown(name: str, build: Any) -> 
 def test_the_study_on_short_runs() -> None:
     """Two seeds and 30 s: what must come out does, and the report has its figures."""
     choices = Choices(seeds=2, stop_time=30.0, steady_from=20.0, grid=9, step=0.01)
-    runner = Runner(lambda done, text: None, loops.run_count(choices), run_system)
-    outcome = loops.problem(runner, choices, loops.PROBLEMS[1])
-    by_cell = {row.cell.split(":")[0]: row for row in outcome.rows}
+    outcome, _ = conduct([loops.problem(choices, loops.PROBLEMS[1])])
+    by_cell = {row.statement.split(":")[0]: row for row in outcome.claims}
     bounded = by_cell["attitude tracking error does not converge to zero but is bounded"]
-    assert 1e-3 < float(bounded.ours) < 0.02  # type: ignore[arg-type]
+    assert 1e-3 < float(bounded.measure) < 0.02  # type: ignore[arg-type]
     assert [panel.title[:7] for panel in outcome.panels[:3]] == ["Fig. 4a", "Fig. 4a", "Fig. 4b"]
-    assert all(row.study == "velocity-free" for row in outcome.rows)
-    shown = feasible.feasible(choices)
-    assert [row.verdict for row in shown.rows] == ["reproduced"] * 3 + ["wrong in print"]
+    shown, _ = conduct([feasible.feasible(choices)])
+    assert [row.verdict for row in shown.claims] == ["reproduced"] * 3 + ["wrong in print"]
     assert STUDIES["velocity-free"].run is study.run
     assert gain_region.CONDITIONS == ("Q1 > 0", "(79)", "(86)", "(89)")

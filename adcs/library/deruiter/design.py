@@ -230,69 +230,31 @@ class Guarantee:
     @cached_property
     def conditions(self) -> list[Condition]:
         """Everything that the theorem presupposes, as `left < right`."""
+        law, task = self.law, self.task
         found = [
-            Condition(
-                "gain",
-                "Theorem 1",
-                "a + c + e < k [1/s]",
-                self.gain_needed,
-                self.law.k,
-                "raise k, or use a better observer",
-            ),
-            Condition(
-                "dead zone",
-                "Eq. (47)",
-                "(b + d + f + torque / smallest_moment) / (k - a - c - e) < dead_zone [rad/s]",
-                self.dead_zone_limit,
-                self.dead_zone,
-                "enlarge the dead zone",
-            ),
-            Condition(
-                "bound below 1",
-                "Theorem 1",
-                "q_1 < 1, else the bound on the attitude error says nothing",
-                float(self.sequence(1)[0][0]),
-                1.0,
-                "raise lam, or make dead zone, disturbance or estimation errors smaller",
-            ),
-            Condition(
-                "invertibility",
-                "after Eq. (22)",
-                "eta_p < lambda_min(P*) / sqrt(5/3 (1 + epsilon_p)) [1/(kg.m2)]",
-                self.law.eta_p,
-                self.law.largest_eta_p,
-                "know the inertia better, for a smaller eta_p",
-            ),
-        ]
+            Condition("gain", "Theorem 1", "a + c + e < k [1/s]", self.gain_needed, law.k,
+                      "raise k, or use a better observer"),
+            Condition("dead zone", "Eq. (47)",
+                      "(b + d + f + torque / smallest_moment) / (k - a - c - e) < dead_zone [rad/s]",
+                      self.dead_zone_limit, self.dead_zone, "enlarge the dead zone"),
+            Condition("bound below 1", "Theorem 1", "q_1 < 1, else the bound on the attitude error says nothing",
+                      float(self.sequence(1)[0][0]), 1.0,
+                      "raise lam, or make dead zone, disturbance or estimation errors smaller"),
+            Condition("invertibility", "after Eq. (22)",
+                      "eta_p < lambda_min(P*) / sqrt(5/3 (1 + epsilon_p)) [1/(kg.m2)]", law.eta_p, law.largest_eta_p,
+                      "know the inertia better, for a smaller eta_p"),
+        ]  # fmt: skip
         if self.true_inertia is not None:
             theta, theta_p = parameters(self.true_inertia)
+            off, off_p = (float(np.linalg.norm(x)) for x in (theta - law.theta, theta_p - law.theta_p))
             smallest = float(np.linalg.eigvalsh(np.asarray(self.true_inertia, float))[0])
             found += [
-                Condition(
-                    "theta within F",
-                    "after Eq. (19)",
-                    "|theta - theta*| < eta",
-                    float(np.linalg.norm(theta - self.law.theta)),
-                    self.law.eta,
-                    "enlarge eta",
-                ),
-                Condition(
-                    "theta_p within F_p",
-                    "after Eq. (19)",
-                    "|theta_p - theta_p*| < eta_p [1/(kg.m2)]",
-                    float(np.linalg.norm(theta_p - self.law.theta_p)),
-                    self.law.eta_p,
-                    "enlarge eta_p",
-                ),
-                Condition(
-                    "smallest moment",
-                    "after Eq. (19)",
-                    "smallest_moment < lambda_min(I) [kg.m2]",
-                    self.task.smallest_moment,
-                    smallest,
-                    "lower smallest_moment",
-                ),
-            ]
+                Condition("theta within F", "after Eq. (19)", "|theta - theta*| < eta", off, law.eta, "enlarge eta"),
+                Condition("theta_p within F_p", "after Eq. (19)", "|theta_p - theta_p*| < eta_p [1/(kg.m2)]",
+                          off_p, law.eta_p, "enlarge eta_p"),
+                Condition("smallest moment", "after Eq. (19)", "smallest_moment < lambda_min(I) [kg.m2]",
+                          task.smallest_moment, smallest, "lower smallest_moment"),
+            ]  # fmt: skip
         return found
 
     @property

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import cos, inf, pi, radians, sin, sqrt
 from typing import Any
 
 import numpy as np
 
+from adcs.library.choices import Checked, Must, at_least, choice, positive
 from adcs.library.deruiter.design import EstimationBounds, Guarantee, Law, Task
-from fmus.errors import AdcsError
 
 REFERENCE = "de Ruiter, Observer-Based Adaptive Spacecraft Attitude Control with Guaranteed Performance Bounds"
 
@@ -41,61 +41,41 @@ REFERENCE_ACCELERATION = sqrt(
 )
 
 
+AFTER_STEADY = Must(lambda stop, c: c.steady_from < stop < inf, "later than steady_from, {steady_from:g} s")
+ABOVE_LIMIT = Must(
+    lambda margin, _: 1 < margin < inf, "a factor above 1: the dead zone must exceed its limit, Eq. (47)"
+)
+
+
 @dataclass(frozen=True)
-class Choices:
+class Choices(Checked):
     """All numbers of the study that can be set; they are printed in the report."""
 
-    k: float = field(default=0.3, metadata={"help": "gain of the filtered rate error [1/s]"})
-    lam: float = field(default=0.05, metadata={"help": "lambda, gain of the attitude in it [1/s]"})
-    gamma: float = field(default=20.0, metadata={"help": "adaptation gain of theta [s2]"})
-    gamma_p: float = field(default=0.02, metadata={"help": "adaptation gain of theta_p [s2/(kg2.m4)]"})
-    eta: float = field(default=0.35, metadata={"help": "theta is known to lie within this of theta*"})
-    eta_p: float = field(
-        default=0.015, metadata={"help": "theta_p is known to lie within this of theta_p* [1/(kg.m2)]"}
+    k: float = choice(0.3, "gain of the filtered rate error [1/s]")
+    lam: float = choice(0.05, "lambda, gain of the attitude in it [1/s]")
+    gamma: float = choice(20.0, "adaptation gain of theta [s2]", positive("gain"))
+    gamma_p: float = choice(0.02, "adaptation gain of theta_p [s2/(kg2.m4)]", positive("gain"))
+    eta: float = choice(0.35, "theta is known to lie within this of theta*")
+    eta_p: float = choice(0.015, "theta_p is known to lie within this of theta_p* [1/(kg.m2)]")
+    epsilon: float = choice(0.1, "room of both projections beyond eta, eta_p")
+    attitude_error: float = choice(1e-3, "v_q, bound on the error of the attitude estimate")
+    rate_error: float = choice(1e-4, "v_omega, bound on the error of the rate estimate [rad/s]")
+    error_speed: float = choice(1.0, "factor on the frequencies of the estimation errors", positive("factor"))
+    disturbance: float = choice(
+        1e-3,
+        "bound on the disturbance torque [N.m]",
+        positive("torque: with none and exact states all bounds are 0"),
     )
-    epsilon: float = field(default=0.1, metadata={"help": "room of both projections beyond eta, eta_p"})
-    attitude_error: float = field(default=1e-3, metadata={"help": "v_q, bound on the error of the attitude estimate"})
-    rate_error: float = field(
-        default=1e-4, metadata={"help": "v_omega, bound on the error of the rate estimate [rad/s]"}
+    observer_rate_error: float = choice(8e-4, "bound taken for the observer's rate error, read off a first run [rad/s]")
+    observer_rate_error_rate: float = choice(5e-5, "bound taken for the time derivative of that, likewise [rad/s2]")
+    margin: float = choice(1.05, "dead zone over its lower limit, Eq. (47)", ABOVE_LIMIT)
+    seed: int = choice(1, "seed of the phases of the estimation errors; others count up", at_least(0))
+    seeds: int = choice(3, "number of runs with different phases of the estimation errors", at_least(1))
+    fast: float = choice(
+        1000.0, "factor on both adaptation gains of the run that brings the projection to act", positive("factor")
     )
-    error_speed: float = field(default=1.0, metadata={"help": "factor on the frequencies of the estimation errors"})
-    disturbance: float = field(default=1e-3, metadata={"help": "bound on the disturbance torque [N.m]"})
-    observer_rate_error: float = field(
-        default=8e-4, metadata={"help": "bound taken for the observer's rate error, read off a first run [rad/s]"}
-    )
-    observer_rate_error_rate: float = field(
-        default=5e-5, metadata={"help": "bound taken for the time derivative of that, likewise [rad/s2]"}
-    )
-    margin: float = field(default=1.05, metadata={"help": "dead zone over its lower limit, Eq. (47)"})
-    seed: int = field(default=1, metadata={"help": "seed of the phases of the estimation errors; others count up"})
-    seeds: int = field(default=3, metadata={"help": "number of runs with different phases of the estimation errors"})
-    fast: float = field(
-        default=1000.0,
-        metadata={"help": "factor on both adaptation gains of the run that brings the projection to act"},
-    )
-    stop_time: float = field(default=1500.0, metadata={"help": "end of every run [s]"})
-    steady_from: float = field(default=900.0, metadata={"help": "limits superior are taken from here to the end [s]"})
-
-    def __post_init__(self) -> None:
-        """Refuse what cannot be judged; what the theorem presupposes is checked by `guarantee`."""
-        for name, holds, expected in (
-            ("gamma", 0 < self.gamma < inf, "a positive gain"),
-            ("gamma_p", 0 < self.gamma_p < inf, "a positive gain"),
-            (
-                "disturbance",
-                0 < self.disturbance < inf,
-                "a positive torque: with none and exact states all bounds are 0",
-            ),
-            ("fast", 0 < self.fast < inf, "a positive factor"),
-            ("error_speed", 0 < self.error_speed < inf, "a positive factor"),
-            ("margin", 1 < self.margin < inf, "a factor above 1: the dead zone must exceed its limit, Eq. (47)"),
-            ("seed", self.seed >= 0, "0 or more"),
-            ("seeds", self.seeds >= 1, "1 or more"),
-            ("steady_from", 0 < self.steady_from < inf, "a positive time"),
-            ("stop_time", self.steady_from < self.stop_time < inf, f"later than steady_from, {self.steady_from:g} s"),
-        ):
-            if not holds:
-                raise AdcsError(f"choice {name} = {getattr(self, name):g}: expected {expected}")
+    stop_time: float = choice(1500.0, "end of every run [s]", AFTER_STEADY)
+    steady_from: float = choice(900.0, "limits superior are taken from here to the end [s]", positive("time"))
 
     @property
     def law(self) -> Law:

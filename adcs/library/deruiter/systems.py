@@ -9,21 +9,6 @@ from adcs.library.deruiter.design import EstimationBounds
 from adcs.library.deruiter.settings import GUIDANCE, INERTIA, OBSERVER_GAINS, OMEGA_START, Q_START, Choices
 from orchestration.system import System
 
-RECORD = (
-    "guidance.q_RN",
-    "guidance.omega_RN_R",
-    "plant.q_BN",
-    "plant.omega_BN_B",
-    "controller.torque_B",
-    "controller.filtered_rate_B",
-    "controller.theta_est",
-    "controller.theta_p_est",
-    "controller.theta_level",
-    "controller.theta_p_level",
-)
-RECORD_ERRORS = (*RECORD, "estimate.q_EB", "estimate.rate_error_B")
-RECORD_OBSERVER = (*RECORD, "observer.omega_BN_B_est")
-
 
 def exact_states(choices: Choices | None = None, *, disturbed: bool = False, dead_zone: float | None = None) -> System:
     """The law fed with the true attitude and rate; without disturbance it has no dead zone unless one is given."""

@@ -5,15 +5,15 @@ from __future__ import annotations
 from adcs.library.deruiter.signals import (
     ATTITUDE,
     ATTITUDE_ESTIMATE,
+    DISTANCES,
     FILTERED,
     RATE,
     RATE_ESTIMATE,
-    SYMBOLS,
     TORQUE,
     distance_panel,
-    norm_panel,
     signals,
 )
+from adcs.library.trajectory import norm_panel
 from orchestration.results.plots import Guide, Panel
 from orchestration.results.report import KeyNumber
 from orchestration.results.result import Result
@@ -33,37 +33,25 @@ def figures(result: Result) -> list[Panel]:
     run = signals(result)
     controller = result.system.components["controller"].start
     zone = controller["dead_zone"][0]
-    panels = [
-        norm_panel(
-            name,
-            {"": run},
-            name.capitalize(),
-            group,
-            [Guide(zone, "dead zone")] if name == FILTERED and zone > 0 else (),
-        )
-        for name, group in GROUPS.items()
-        if name in run.norms
-    ]
-    return [*panels, distance_panel({"": run}, controller["epsilon"][0], "Parameter estimates", "Adaptation")]
+    panels = []
+    for what, group in GROUPS.items():
+        if what in run:
+            guides = [Guide(zone, "dead zone")] if what is FILTERED and zone > 0 else []
+            panels.append(norm_panel(what, {"": run}, group=group, guides=guides))
+    return [*panels, distance_panel({"": run}, controller["epsilon"][0], "Adaptation")]
 
 
 def key_numbers(result: Result) -> list[KeyNumber]:
     """Largest errors in the last third of the run, how far the estimates went, and the largest torque."""
     run = signals(result)
     start = run.time[0] + 2 / 3 * (run.time[-1] - run.time[0])
-    tail = run.after(start)
+    tail, note = run.after(start), f"largest from {start:.4g} s on"
     numbers = [
-        KeyNumber(f"{name.capitalize()}, last third", tail.peak(name), _unit(name), f"largest from {start:.4g} s on")
-        for name in (ATTITUDE, RATE, ATTITUDE_ESTIMATE, RATE_ESTIMATE)
-        if name in run.norms
+        KeyNumber(f"{what.title}, last third", tail.peak(what), what.unit, note)
+        for what in (ATTITUDE, RATE, ATTITUDE_ESTIMATE, RATE_ESTIMATE)
+        if what in run
     ]
-    largest = max(float(distance.max()) for distance in run.distance.values())
     edge = (1 + result.system.components["controller"].start["epsilon"][0]) ** 0.5
-    numbers.append(KeyNumber("Farthest estimate", largest, "η", f"held within {edge:.3g}"))
-    numbers.append(KeyNumber("Largest torque", run.peak(TORQUE), "N·m"))
-    return numbers
-
-
-def _unit(name: str) -> str:
-    _, _, unit = SYMBOLS[name].partition("[")
-    return unit.rstrip("]")
+    farthest = max(run.peak(distance) for distance in DISTANCES)
+    numbers.append(KeyNumber("Farthest estimate", farthest, "η", f"held within {edge:.3g}"))
+    return [*numbers, KeyNumber("Largest torque", run.peak(TORQUE), "N·m")]

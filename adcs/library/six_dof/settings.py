@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import cos, inf, pi, radians, sin, sqrt
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adcs.library.attitude import relative_quaternion, rotate
+from adcs.library.choices import PART, Checked, choice, positive
 from fmus.errors import AdcsError
 
 REFERENCE = "Pan, Wong, Kapila, Output feedback control for spacecraft with coupled translation and attitude dynamics"
@@ -99,21 +100,10 @@ class Scaling:
 
 
 @dataclass(frozen=True)
-class Choices:
+class Choices(Checked):
     """All of the scenario that may be changed. All of it is printed in the report."""
 
-    stop_time: float = field(default=600.0, metadata={"help": "end of every run [s]"})
-    settled: float = field(default=0.01, metadata={"help": "an error has converged once below this part of its start"})
-    max_force: float = field(default=2.0, metadata={"help": "limit of each force axis in the saturated run [N]"})
-    max_torque: float = field(default=0.03, metadata={"help": "limit of each torque axis in the saturated run [N.m]"})
-
-    def __post_init__(self) -> None:
-        """Refuse choices with which nothing can be judged."""
-        for name, holds, expected in (
-            ("stop_time", 0 < self.stop_time < inf, "a positive time"),
-            ("settled", 0 < self.settled < 1, "a part between 0 and 1"),
-            ("max_force", 0 < self.max_force < inf, "a positive force"),
-            ("max_torque", 0 < self.max_torque < inf, "a positive torque"),
-        ):
-            if not holds:
-                raise AdcsError(f"choice {name} = {getattr(self, name):g}: expected {expected}")
+    stop_time: float = choice(600.0, "end of every run [s]", positive("time"))
+    settled: float = choice(0.01, "an error has converged once below this part of its start", PART)
+    max_force: float = choice(2.0, "limit of each force axis in the saturated run [N]", positive("force"))
+    max_torque: float = choice(0.03, "limit of each torque axis in the saturated run [N.m]", positive("torque"))

@@ -2,34 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from adcs.library.outcome import Outcome, Progress, Row, Runner, claims_table, verdict
-from adcs.library.six_dof.settings import LENGTH_UNIT, MASS, MASS_UNIT, TIME_UNIT, Choices, Scaling
+from adcs.library.outcome import Claim, Shown
+from adcs.library.sections import Section, Simulation, study_of
+from adcs.library.six_dof.settings import LENGTH_UNIT, MASS_UNIT, TIME_UNIT, Choices, Scaling
 from adcs.library.six_dof.signals import (
     ATTITUDE,
     DELTA_V,
     ERRORS,
     FORCE,
-    LABELS,
+    GRADIENT_FORCE,
+    GRADIENT_TORQUE,
     POSITION,
     RATE,
     TORQUE,
     VELOCITY,
-    Signals,
-    panel,
     signals,
 )
-from adcs.library.six_dof.systems import RECORD, saturated, six_dof
-from orchestration.results.plots import Guide
+from adcs.library.six_dof.systems import saturated, six_dof
+from adcs.library.trajectory import Runs, Trajectory, norm_panel
+from orchestration.results.plots import Guide, Panel
 from orchestration.results.report import KeyNumber, Table
-from orchestration.results.result import Result
 from orchestration.running.method import ModelExchange
-from orchestration.running.run import run as run_system
-from orchestration.running.save import Save
 
 TITLE = "Orbit and attitude at once, without any velocity measurement: Pan, Wong, Kapila"
 SUMMARY = (
@@ -39,107 +36,105 @@ SUMMARY = (
     "set beside what the components compute; with unlimited actuators, with limited ones, and in SI units, as printed."
 )
 FREE, LIMITED, PRINTED = "scaled units, no limits", "scaled units, limited", "SI units, as printed"
-COUPLED: dict[str, Any] = {"method": ModelExchange(rtol=1e-10, atol=1e-9), "save": Save(RECORD)}
+COUPLED = ModelExchange(rtol=1e-10, atol=1e-9)
 """An absolute tolerance below 1e-9 m asks for more than positions of 7e6 m can hold in double precision."""
 OUTPUT_STEP, SHORT_STEP, SHORT_STOP = 0.5, 0.05, 60.0  # s
-STEPS = (1.0, 0.5, 0.2, 0.1)  # s, of the exchange
+STEPS, GRID = (1.0, 0.5, 0.2, 0.1), 1.0  # s, of the exchange, and where its solutions are compared
 GROUP, CONTROL_GROUP, STEP_GROUP = "Convergence", "Force and torque", "Exchange step"
 NEGLIGIBLE = {POSITION: 1e-6, VELOCITY: 1e-8, ATTITUDE: 1e-9, RATE: 1e-10}  # m, m/s, 1, rad/s: converged to zero
 
 
-def run(
-    choices: Choices, progress: Progress, simulate: Callable[..., Result] = run_system
-) -> tuple[Outcome, list[tuple[str, Mapping[str, Any]]]]:
-    """Run everything; returns the outcome, and label and manifest of each run."""
-    runner = Runner(progress, 3 + len(STEPS), simulate)
-    grid = {"stop_time": choices.stop_time, "step": OUTPUT_STEP}
-    free = runner(FREE, six_dof(), **grid, **COUPLED)
-    limited = runner(LIMITED, saturated(choices.max_force, choices.max_torque), **grid, **COUPLED)
-    short = {"stop_time": SHORT_STOP, "step": SHORT_STEP}
-    printed = runner(PRINTED, six_dof(scaling=Scaling(1.0, 1.0, 1.0)), **short, **COUPLED)
-    runs = {label: signals(result, MASS) for label, result in ((FREE, free), (LIMITED, limited), (PRINTED, printed))}
-    rows = [*_convergence(runs), *_blind(free), *_errata()]
-    both = {label: runs[label] for label in (FREE, LIMITED)}
-    panels = [panel(name, both, GROUP) for name in ERRORS]
-    limits = {FORCE: choices.max_force * np.sqrt(3), TORQUE: choices.max_torque * np.sqrt(3)}
-    panels += [panel(name, both, CONTROL_GROUP, guides=(Guide(limit, "all axes at their limit"),))
-               for name, limit in limits.items()]  # fmt: skip
-    panels.append(panel(DELTA_V, both, CONTROL_GROUP, log=False))
-    tables = [
-        claims_table(rows, "The claims of the paper", GROUP),
-        _settling_table(runs, choices),
-        _effort_table(runs, free),
+def sections(choices: Choices) -> list[Section]:
+    """The theorem, and what the exchange step of a co-simulation costs."""
+    stop, limits = choices.stop_time, (choices.max_force, choices.max_torque)
+    free = Simulation(FREE, six_dof(), signals, stop, OUTPUT_STEP, COUPLED)
+    limited = Simulation(LIMITED, saturated(*limits), signals, stop, OUTPUT_STEP, COUPLED)
+    si_units = six_dof(scaling=Scaling(1.0, 1.0, 1.0))
+    printed = Simulation(PRINTED, si_units, signals, SHORT_STOP, SHORT_STEP, COUPLED)
+    exchanged = {
+        step: Simulation(f"co-simulation at {step:g} s", six_dof(), signals, stop, step, every=round(GRID / step))
+        for step in STEPS
+    }
+    return [
+        Section(
+            GROUP,
+            "The claims of the paper",
+            lambda runs: _theorem(runs, choices),
+            {FREE: free, LIMITED: limited, PRINTED: printed},
+        ),
+        Section(STEP_GROUP, "", _exchange_step, {"coupled": free, **exchanged}),
     ]
-    outcome = Outcome(rows, panels, tables, _key_numbers(runs, choices))
-    return outcome + _exchange_step(runner, choices, runs[FREE]), runner.runs
 
 
-def _row(cell: str, settings: str, printed: str, ours: float | str, holds: bool, note: str, table: str = "") -> Row:
-    return Row("six-dof", table or "Theorem 4.1", cell, settings, printed, ours, None, verdict(holds), note)
+run = study_of(sections)
 
 
-def _convergence(runs: Mapping[str, Signals]) -> list[Row]:
-    rows = []
+def _theorem(runs: Runs, choices: Choices) -> Iterator[Shown]:
+    yield from _convergence(runs)
+    yield _blind()
+    yield from ERRATA
+    yield from _panels(runs, choices)
+    yield _settling_table(runs, choices)
+    yield _effort_table(runs)
+    yield from _key_numbers(runs, choices)
+
+
+def _convergence(runs: Runs) -> Iterator[Claim]:
     for label, run_ in runs.items():
-        for name in ERRORS:
-            note = (
-                f"{LABELS[name]} at {run_.time[-1]:g} s, {run_.start(name):.3g} at the start; judged at "
-                f"{NEGLIGIBLE[name]:g}"
-            )
-            if label == LIMITED:
-                note += "; the theorem knows no limits, that it converges all the same is an observation"
-            end = run_.end(name)
-            rows.append(_row(f"{name} converges to zero", label, "asymptotically", end, end < NEGLIGIBLE[name], note))
-    return rows
+        unproven = "; the theorem knows no limits, that it converges all the same is an observation"
+        for error, limit in NEGLIGIBLE.items():
+            end = run_.end(error)
+            yield Claim("Theorem 4.1", f"{error} converges to zero", label,
+                        "asymptotically", end, end < limit,
+                        f"{error.size} at {run_.time[-1]:g} s, {run_.start(error):.3g} at the start; "
+                        f"judged at {limit:g}{unproven if label == LIMITED else ''}")  # fmt: skip
 
 
-def _blind(free: Result) -> list[Row]:
+def _blind() -> Claim:
     """That no velocity reaches filter or controller can be read off the wiring."""
-    manifest = free.manifest["system"]["connections"]
-    fed = [source for source, target in manifest if target.split(".")[0] in ("filter", "controller")]
-    velocities = [source for source in fed if source in ("plant.v_BN_N", "plant.omega_BN_B")]
-    return [
-        _row(
-            "velocity measurements used",
-            "connections from the plant to filter and controller",
-            "none",
-            ", ".join(velocities) or "none",
-            not velocities,
-            "they receive " + ", ".join(sorted({source for source in fed if source.startswith("plant.")}))
-            + "; the rate of the reference is known, not measured",
-        )
-    ]  # fmt: skip
+    links = [(c.source, c.target.split(".")[0]) for c in six_dof().connections]
+    fed = sorted({source for source, user in links if user in ("filter", "controller") and source.startswith("plant.")})
+    velocities = ", ".join(source for source in fed if source in ("plant.v_BN_N", "plant.omega_BN_B")) or "none"
+    return Claim("Theorem 4.1", "velocity measurements used", "connections from the plant to filter and controller",
+                 "none", velocities, velocities == "none",
+                 f"they receive {', '.join(fed)}; the rate of the reference is known, not measured")  # fmt: skip
 
 
-def _errata() -> list[Row]:
-    wrong = (
-        ("after (59)", "det T", "e_ζ", "e_ζ / 8", "T = ½(e_ζ I + S(e_ε)), three factors ½; invertible all the same"),
-        ("(47)", "k_max", "max{k_eR, k_y}", "min{k_eR, k_y}", "both terms of the bound after (56) must be covered"),
-        ("Sec. II", "skew matrix of the vectrices", "misprinted", "[0 -a3 a2; a3 0 -a1; -a2 a1 0]", "as (29) uses it"),
-    )
-    return [
-        Row("six-dof", table, cell, "", printed, ours, None, "wrong in print", f"{note}; see tests/laws")
-        for table, cell, printed, ours, note in wrong
-    ]
+ERRATA = (
+    Claim("after (59)", "det T", "", "e_ζ", "e_ζ / 8", None,
+          "T = ½(e_ζ I + S(e_ε)), three factors ½; invertible all the same; see tests/laws"),
+    Claim("(47)", "k_max", "", "max{k_eR, k_y}", "min{k_eR, k_y}", None,
+          "both terms of the bound after (56) must be covered; see tests/laws"),
+    Claim("Sec. II", "skew matrix of the vectrices", "", "misprinted", "[0 -a3 a2; a3 0 -a1; -a2 a1 0]", None,
+          "as (29) uses it; see tests/laws"),
+)  # fmt: skip
 
 
-def _settling_table(runs: Mapping[str, Signals], choices: Choices) -> Table:
+def _panels(runs: Runs, choices: Choices) -> list[Panel]:
+    both = {label: runs[label] for label in (FREE, LIMITED)}
+    panels = [norm_panel(error, both) for error in ERRORS]
+    for what, limit in ((FORCE, choices.max_force), (TORQUE, choices.max_torque)):
+        guide = Guide(limit * np.sqrt(3), "all axes at their limit")
+        panels.append(norm_panel(what, both, group=CONTROL_GROUP, guides=(guide,)))
+    return [*panels, norm_panel(DELTA_V, both, group=CONTROL_GROUP, log=False)]
+
+
+def _settling_table(runs: Runs, choices: Choices) -> Table:
     parts = (0.1, choices.settled, 1e-4)
-    cells = [
-        [name, label, run_.start(name), *(run_.settled(name, part) for part in parts)]
-        for name in ERRORS
-        for label, run_ in runs.items()
-    ]
-    columns = ["error", "run", "at the start", *(f"below {part:g} of it [s]" for part in parts)]
-    return Table("When the errors have converged", columns, cells, "Time from which on the norm stays below.", GROUP)
-
-
-def _effort_table(runs: Mapping[str, Signals], free: Result) -> Table:
     cells = []
-    for label, run_ in runs.items():
-        angular = float(np.trapezoid(run_.norms[TORQUE], run_.time))
-        cells.append([label, run_.time[-1], run_.peak(FORCE), run_.end(DELTA_V), run_.peak(TORQUE), angular])
-    gradient = [float(np.linalg.norm(free[f"plant.gravity_gradient_{x}_B"], axis=1).max()) for x in ("force", "torque")]
+    for error in ERRORS:
+        for label, run_ in runs.items():
+            start = run_.start(error)
+            cells.append([error.name, label, start, *(run_.settled(error, part, start) for part in parts)])
+    columns = ["error", "run", "at the start", *(f"below {part:g} of it [s]" for part in parts)]
+    return Table("When the errors have converged", columns, cells, "Time from which on the norm stays below.")
+
+
+def _effort_table(runs: Runs) -> Table:
+    cells = [
+        [label, r.time[-1], r.peak(FORCE), r.end(DELTA_V), r.peak(TORQUE), r.area(TORQUE)] for label, r in runs.items()
+    ]
+    gradient = [runs[FREE].peak(what) for what in (GRADIENT_FORCE, GRADIENT_TORQUE)]
     note = (
         "‖F‖ and ‖τ‖ are Euclidean; the velocity increment is the integral of ‖F‖ over the mass, by the actuator "
         "itself. The torque lasts, as the reference attitude swings. The law is applied in units of "
@@ -150,32 +145,28 @@ def _effort_table(runs: Mapping[str, Signals], free: Result) -> Table:
     return Table("Force, torque and velocity increment", columns, cells, note, CONTROL_GROUP)
 
 
-def _key_numbers(runs: Mapping[str, Signals], choices: Choices) -> list[KeyNumber]:
-    free = runs[FREE]
+def _key_numbers(runs: Runs, choices: Choices) -> list[KeyNumber]:
+    free, limited, printed = (runs[label] for label in (FREE, LIMITED, PRINTED))
     part = f"stays below {choices.settled:.0%} of its start"
+    times = [free.settled(error, choices.settled, free.start(error)) for error in (POSITION, ATTITUDE)]
     return [
-        KeyNumber("Position error converged", free.settled(POSITION, choices.settled), "s", part),
-        KeyNumber("Attitude error converged", free.settled(ATTITUDE, choices.settled), "s", part),
-        KeyNumber("Velocity increment", free.end(DELTA_V), "m/s", f"{runs[LIMITED].end(DELTA_V):.3g} m/s with limits"),
-        KeyNumber("Largest force", free.peak(FORCE), "N", f"{runs[PRINTED].peak(FORCE):.4g} N in SI units"),
-        KeyNumber("Largest torque", free.peak(TORQUE), "N·m", f"{runs[PRINTED].peak(TORQUE):.3g} N·m in SI units"),
+        KeyNumber("Position error converged", times[0], "s", part),
+        KeyNumber("Attitude error converged", times[1], "s", part),
+        KeyNumber("Velocity increment", free.end(DELTA_V), "m/s", f"{limited.end(DELTA_V):.3g} m/s with limits"),
+        KeyNumber("Largest force", free.peak(FORCE), "N", f"{printed.peak(FORCE):.4g} N in SI units"),
+        KeyNumber("Largest torque", free.peak(TORQUE), "N·m", f"{printed.peak(TORQUE):.3g} N·m in SI units"),
     ]
 
 
-def _exchange_step(runner: Runner, choices: Choices, coupled: Signals) -> Outcome:
+def _exchange_step(runs: Mapping[object, Trajectory]) -> Iterator[Shown]:
+    coupled = runs["coupled"].every(round(GRID / OUTPUT_STEP))
     cells: list[list[object]] = []
     for step in STEPS:
-        result = runner(
-            f"co-simulation at {step:g} s", six_dof(), stop_time=choices.stop_time, step=step, save=Save(RECORD)
-        )
-        run_ = signals(result, MASS)
-        same = np.isin(run_.time.round(6), coupled.time.round(6))
-        there = np.isin(coupled.time.round(6), run_.time.round(6))
-        away = [float(np.abs(run_.norms[n][same] - coupled.norms[n][there]).max()) for n in (POSITION, ATTITUDE)]
+        run_ = runs[step]
+        away = [float(np.abs(run_.norm(what) - coupled.norm(what)).max()) for what in (POSITION, ATTITUDE)]
         cells.append([step, *away, run_.end(DELTA_V)])
     cells.append(["coupled", None, None, coupled.end(DELTA_V)])
-    note = (
-        "Largest difference of the norms of the errors from the coupled solution. Force and torque are held for a step."
-    )
+    note = "Largest difference of the norms of the errors from the coupled solution, each second. "
+    note += "Force and torque are held for a step."
     columns = ["exchange step [s]", "‖e_R‖ [m]", "‖e_ε‖", "velocity increment [m/s]"]
-    return Outcome(tables=[Table("Co-simulation", columns, cells, note, STEP_GROUP)])
+    yield Table("Co-simulation", columns, cells, note)

@@ -8,24 +8,6 @@ from adcs.library.six_dof.catalogue import SYSTEMS
 from adcs.library.six_dof.settings import EARTH, GAINS, INERTIA, ORBIT, REFERENCE_RATE, Scaling, Start
 from orchestration.system import System
 
-RECORD = (
-    "plant.r_BN_N",
-    "plant.v_BN_N",
-    "plant.omega_BN_B",
-    "plant.gravity_gradient_force_B",
-    "plant.gravity_gradient_torque_B",
-    "plant.altitude",
-    "orbit.r_ON_N",
-    "orbit.v_ON_N",
-    "guidance.omega_RN_R",
-    "controller.r_RB_B",
-    "controller.q_BR",
-    "actuator.force_B",
-    "actuator.torque_B",
-    "actuator.impulse",
-    "actuator.angular_impulse",
-)
-
 
 def six_dof(start: Start | None = None, scaling: Scaling | None = None) -> System:
     """The loop with actuators that give what is asked for."""

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import NamedTuple
 
-from adcs.library.outcome import Runner
-from adcs.library.trigo.metrics import measure
-from adcs.library.trigo.printed import Cell, Run, cells
+from adcs.library.outcome import Shown
+from adcs.library.sections import Section, Simulation
+from adcs.library.trigo.loops import simulation
+from adcs.library.trigo.metrics import Metrics
+from adcs.library.trigo.printed import Measure, Run, cells
 from adcs.library.trigo.settings import AS_MADE, AS_PRINTED, Choices, Reading
-from adcs.library.trigo.systems import build, exchange_step, recorded, stride
 from orchestration.results.report import Table
-from orchestration.running.save import Save
 
-TABLE_TITLE = "Departures from the text, one by one"
+FITTED, CHOSEN = "fitted", "chosen"
 
 
-@dataclass(frozen=True)
-class Departure:
+class Departure(NamedTuple):
     """`field` of the reading; `kind` says how it was found; the cell of `run` and `measure` shows what it is worth."""
 
     field: str
@@ -24,89 +25,53 @@ class Departure:
     made: str
     kind: str
     run: Run
-    measure: str
+    measure: Measure
 
 
 DEPARTURES = (
-    Departure("slew_start", "no start time", "20.62 s", "fitted", Run("bs", "nominal"), "entire"),
-    Departure("acceleration_limit", "0.15 deg/s² for x_2,c", "0.10 deg/s²", "fitted", Run("bs", "nominal"), "entire"),
-    Departure("lag", "no lag", "the reference is that of one period ago", "chosen", Run("ii", "nominal"), "scanning"),
-    Departure(
-        "rate_by_difference",
-        "nothing on the reference rate",
-        "backward difference",
-        "chosen",
-        Run("bs", "nominal"),
-        "scanning",
-    ),
-    Departure("exceptions", "n = 1.073e-3 rad/s", "1.070e-3 in this run", "chosen", Run("bs", "nominal"), "entire"),
-    Departure(
-        "mirror_size", "l, w, h = 5, 50, 50 mm", "50, 50, 5 mm in (4.26)", "chosen", Run("bs", "mirror"), "steady"
-    ),
-    Departure(
-        "disturbance_held",
-        "a continuous torque",
-        "computed once per control step and held",
-        "chosen",
-        Run("ii", "mirror"),
-        "estimation",
-    ),
-    Departure("neso_inertia_twice", "β_2 = B J_0", "β_2 = B J_0 J_0", "chosen", Run("neso", "wheel"), "estimation"),
-    Departure(
-        "neso_torque_delay",
-        "the torque T_c",
-        "that of the step before",
-        "chosen",
-        Run("neso", "wheel"),
-        "estimation",
-    ),
-    Departure(
-        "update_first",
-        "nothing on the order",
-        "TF and I&I update, then use",
-        "chosen",
-        Run("ii", "mirror"),
-        "entire",
-    ),
-)
+    Departure("slew_start", "no start time", "20.62 s", FITTED, Run("bs", "nominal"), "entire"),
+    Departure("acceleration_limit", "0.15 deg/s² for x_2,c", "0.10 deg/s²", FITTED, Run("bs", "nominal"), "entire"),
+    Departure("lag", "no lag", "the reference is that of one period ago", CHOSEN, Run("ii", "nominal"), "scanning"),
+    Departure("rate_by_difference", "nothing on the reference rate", "backward difference", CHOSEN,
+              Run("bs", "nominal"), "scanning"),
+    Departure("exceptions", "n = 1.073e-3 rad/s", "1.070e-3 in this run", CHOSEN, Run("bs", "nominal"), "entire"),
+    Departure("mirror_size", "l, w, h = 5, 50, 50 mm", "50, 50, 5 mm in (4.26)", CHOSEN, Run("bs", "mirror"), "steady"),
+    Departure("disturbance_held", "a continuous torque", "computed once per control step and held", CHOSEN,
+              Run("ii", "mirror"), "estimation"),
+    Departure("neso_inertia_twice", "β_2 = B J_0", "β_2 = B J_0 J_0", CHOSEN, Run("neso", "wheel"), "estimation"),
+    Departure("neso_torque_delay", "the torque T_c", "that of the step before", CHOSEN, Run("neso", "wheel"),
+              "estimation"),
+    Departure("update_first", "nothing on the order", "TF and I&I update, then use", CHOSEN, Run("ii", "mirror"),
+              "entire"),
+)  # fmt: skip
 
 
 def undone(departure: Departure) -> Reading:
     """The reading of the tables with this one departure taken back."""
-    return replace(AS_MADE, name=AS_MADE.name, **{departure.field: getattr(AS_PRINTED, departure.field)})
+    changed = {departure.field: getattr(AS_PRINTED, departure.field)}
+    return replace(AS_MADE, name=f"without: {departure.made}", **changed)
 
 
-def departures(run: Runner, choices: Choices) -> Table:
-    """Run the tables' reading with each departure taken back, and show what its cell becomes."""
-    known = {(c.run, c.measure): c for c in cells(()) if c.over is None}
-    rows: list[list[object]] = []
+def departures(choices: Choices) -> Section:
+    """The tables' reading with each departure taken back, and what its cell becomes."""
+    known = {(cell.run, cell.measure): cell for cell in cells(()) if cell.over is None}
+    runs: dict[Run | Departure, Simulation] = {}
     for departure in DEPARTURES:
-        cell: Cell = known[departure.run, departure.measure]  # type: ignore[index]
-        values = []
-        for reading in (AS_MADE, undone(departure)):
-            controller, scenario, rate = departure.run.controller, departure.run.scenario, departure.run.rate
-            system = build(controller, scenario, reading, rate)
-            step = exchange_step(scenario, reading, rate)
-            result = run(
-                f"without: {departure.made}",
-                system,
-                stop_time=choices.stop_time,
-                step=step,
-                save=Save(recorded(system)),
-            )
-            values.append(cell.rounded(cell.of({departure.run: measure(result, stride(step, rate))})))
-        rows.append([departure.text, departure.made, departure.kind, f"{cell.table}, {cell.label}", cell.text, *values])
-    columns = [
-        "the text",
-        "as the tables were made",
-        "how found",
-        "cell",
-        "printed",
-        "as made",
-        "this one as in the text",
-    ]
-    note = (
-        "Each line is the reading of the tables with only this departure taken back. Fitted: a number chosen to meet "
-        "several cells. Chosen: one of a few possible readings, picked because its cells agree."
-    )
-    return Table(TABLE_TITLE, columns, rows, note, "Readings")
+        runs[departure.run] = simulation(departure.run, AS_MADE, choices)
+        runs[departure] = simulation(departure.run, undone(departure), choices)
+
+    def show(found: Mapping[Run | Departure, Metrics]) -> Iterator[Shown]:
+        rows: list[list[object]] = []
+        for departure in DEPARTURES:
+            cell = known[departure.run, departure.measure]
+            values = [cell.rounded(cell.of({departure.run: found[of]})) for of in (departure.run, departure)]
+            where = f"{cell.table}, {cell.label}"
+            rows.append([departure.text, departure.made, departure.kind, where, cell.text, *values])
+        columns = ["the text", "as the tables were made", "how found", "cell", "printed", "as made"]
+        note = (
+            "Each line is the reading of the tables with only this departure taken back. Fitted: a number chosen to "
+            "meet several cells. Chosen: one of a few possible readings, picked because its cells agree."
+        )
+        yield Table("Departures from the text, one by one", [*columns, "this one as in the text"], rows, note)
+
+    return Section("Readings", "", show, runs)

@@ -18,10 +18,8 @@ Array = NDArray[np.float64]
 
 _TINY = 1e-6  # s, against rounding of the time grid
 INTERVALS = {"entire": (0.0, inf), "steady": (300.0, 500.0), "scanning": (500.0, inf)}  # s
-SETTLED = {
-    "steady": (320.0, 499.5),
-    "scanning": (520.0, inf),
-}  # s, without the peaks where a stretch begins and the scan sets in
+# s, without the peaks where a stretch begins and the scan sets in
+SETTLED = {"steady": (320.0, 499.5), "scanning": (520.0, inf)}
 ESTIMATED_FROM = 505.0  # s
 
 
@@ -57,11 +55,10 @@ def disturbance(result: Result) -> Array:
     return np.asarray(result["plant.torque_unmodelled_B"])
 
 
-def measure(result: Result, every: int = 1) -> Metrics:
-    """The measures at the control instants, which are every `every`-th row; the start itself is left out."""
-    time, theta, omega = result.time[::every], pointing_error(result)[::every], rate_error(result)[::every]
-    torque = disturbance(result)[::every]
-    error = torque - result[ESTIMATE][::every] if ESTIMATE in result.names else torque
+def measure(result: Result) -> Metrics:
+    """The measures at the control instants, which are the rows; the start itself is left out."""
+    time, theta, omega, torque = result.time, pointing_error(result), rate_error(result), disturbance(result)
+    error = torque - result[ESTIMATE] if ESTIMATE in result.names else torque
 
     def part(start: float, end: float) -> Array:
         return np.asarray((time >= start - _TINY) & (time <= end + _TINY) & (time > _TINY))

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import cos, inf, pi, radians, sin, sqrt
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from adcs.library.choices import PART, Checked, Must, choice
 from adcs.library.trigo.catalogue import Controller, Scenario
-from fmus.errors import AdcsError
 
 REFERENCE = "Thesis on robust and adaptive nonlinear attitude control of a spacecraft, chapters 8 and 9"
 
 Matrix = NDArray[np.float64]
 
 CONTROLLERS: dict[Controller, str] = {"bs": "BS", "rbs": "RBS", "tf": "TF", "neso": "NESO", "ii": "I&I"}
+STATIC: tuple[Controller, ...] = ("bs", "rbs")
 ADAPTIVE: tuple[Controller, ...] = ("tf", "neso", "ii")
 STOP_TIME = 1100.0  # s
 CONTROL_RATE = 10.0  # Hz, of Tables 9.6 to 9.16
@@ -140,25 +141,18 @@ def mirror_moments(size: tuple[float, float, float]) -> tuple[float, float, floa
     return m * (height**2 + width**2), m * (length**2 + height**2), m * (length**2 + width**2)
 
 
+SMALL = PART._replace(words="a relative error between 0 and 1")
+COMPLETE = Must(lambda stop, _: 505 < stop < inf, "more than 505 s, where the last interval of the tables begins")
+YES_OR_NO = Must(lambda value, _: value in (0, 1), "0 or 1")
+
+
 @dataclass(frozen=True)
-class Choices:
+class Choices(Checked):
     """How the study judges, and how much of it runs. All of it is printed in the report."""
 
-    agreement: float = field(
-        default=0.001, metadata={"help": "a cell is reproduced within this relative error, or half its last digit"}
-    )
-    stop_time: float = field(default=STOP_TIME, metadata={"help": "end of every run [s]; the tables need 1100"})
-    other_rates: int = field(default=1, metadata={"help": "0: only the runs at 10 Hz, 1: those at 5, 20 and 50 Hz too"})
-
-    def __post_init__(self) -> None:
-        """Refuse choices with which the cells cannot be judged."""
-        for name, holds, expected in (
-            ("agreement", 0 < self.agreement < 1, "a relative error between 0 and 1"),
-            ("stop_time", 505 < self.stop_time < inf, "more than 505 s, where the last interval of the tables begins"),
-            ("other_rates", self.other_rates in (0, 1), "0 or 1"),
-        ):
-            if not holds:
-                raise AdcsError(f"choice {name} = {getattr(self, name):g}: expected {expected}")
+    agreement: float = choice(0.001, "a cell is reproduced within this relative error, or half its last digit", SMALL)
+    stop_time: float = choice(STOP_TIME, "end of every run [s]; the tables need 1100", COMPLETE)
+    other_rates: int = choice(1, "0: only the runs at 10 Hz, 1: those at 5, 20 and 50 Hz too", YES_OR_NO)
 
 
 Start = dict[str, Any]

@@ -2,33 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from math import inf, isfinite
 from typing import Any
 
-from adcs.library.outcome import Outcome, Progress, Row, Runner, Verdict, claims_table, verdict
-from adcs.library.trigo.catalogue import SCENARIOS, Scenario
+from adcs.library.outcome import Claim, Shown, claims_table, tally
+from adcs.library.sections import Section, failed_at, study_of
+from adcs.library.trigo.catalogue import SCENARIOS
 from adcs.library.trigo.conclusions import judged
-from adcs.library.trigo.departures import DEPARTURES, departures
+from adcs.library.trigo.departures import departures
+from adcs.library.trigo.loops import FIGURES, RATE_SCENARIOS, Plan, of_reading, plan, simulation, with_figures
 from adcs.library.trigo.metrics import Metrics, measure
 from adcs.library.trigo.printed import TABLES, Cell, Run, cells
 from adcs.library.trigo.settings import (
     AS_MADE,
     AS_PRINTED,
-    ATTITUDE_REQUIREMENT,
     CONTROLLERS,
     CORRECTED,
-    RATE_REQUIREMENT,
     RATES,
+    READINGS,
     Choices,
     Reading,
 )
-from adcs.library.trigo.systems import build, exchange_step, recorded, stride
-from adcs.library.trigo.views import GROUPS, reference_panels, scenario_panels, worst_requirement
+from adcs.library.trigo.views import GROUPS, reference_panels, scenario_panels
+from orchestration.results.plots import Panel
 from orchestration.results.report import KeyNumber, Table
-from orchestration.results.result import Result, RunFailed
-from orchestration.running.run import run as run_system
-from orchestration.running.save import Save
+from orchestration.results.result import Result
 
 TITLE = "Five backstepping attitude controllers of a micro-satellite"
 SUMMARY = (
@@ -37,176 +37,129 @@ SUMMARY = (
     "set beside what these components compute in the reading with which the tables come out, and in the literal "
     "reading of the text. A third reading has the physics right."
 )
-RATE_SCENARIOS: tuple[Scenario, ...] = ("wheel", "mirror")
 RATE_GROUP = "Other control rates"
-DIVERGING = tuple((c, s) for s in RATE_SCENARIOS for c in ("neso", "ii"))
+DIVERGING = tuple(Run(c, s, 5.0) for s in RATE_SCENARIOS for c in ("neso", "ii"))
 
 
-def run(
-    choices: Choices, progress: Progress, simulate: Callable[..., Result] = run_system
-) -> tuple[Outcome, list[tuple[str, Mapping[str, Any]]]]:
-    """Run everything; returns the outcome, and label and manifest of each run."""
+def sections(choices: Choices) -> list[Section]:
+    """The tables, what the text concludes, and where the reading of the tables departs from it."""
     rates = RATES if choices.other_rates else ()
-    slow = len(DIVERGING) if rates else 0
-    others = len(RATE_SCENARIOS) * len(CONTROLLERS) * len(rates)
-    total = 3 * len(SCENARIOS) * len(CONTROLLERS) + 2 * others + slow + 2 * len(DEPARTURES)
-    runner = Runner(progress, total, simulate)
-
-    shown: list[Any] = []
-    metrics = {AS_MADE: _all(runner, AS_MADE, rates, choices, shown)}
-    metrics[AS_PRINTED] = _all(runner, AS_PRINTED, rates, choices)
-    metrics[CORRECTED] = _all(runner, CORRECTED, (), choices)
-
-    rows, tables = [], []
-    for group, those in _grouped(cells(tuple(rates))):
-        made = [_row(cell, AS_MADE, metrics[AS_MADE], choices) for cell in those]
-        literal = [_row(cell, AS_PRINTED, metrics[AS_PRINTED], choices) for cell in those]
-        rows += [row for pair in zip(made, literal, strict=True) for row in pair]
-        names = dict.fromkeys(cell.table for cell in those)
-        tables += [_table(name, group, those, made, literal, metrics[CORRECTED]) for name in names]
+    runs = with_figures(plan(AS_MADE, rates, choices)) | plan(AS_PRINTED, rates, choices) | plan(CORRECTED, (), choices)
+    made = [_tables(runs, rates, choices), _conclusions(runs), departures(choices)]
     if rates:
-        slow_rows = [_divergence(runner, choices, *which) for which in DIVERGING]
-        rows += slow_rows
-        tables.append(claims_table(slow_rows, "At 5 Hz with the gains of 10 Hz", RATE_GROUP))
-    for reading in metrics:
-        claims = judged(metrics[reading], reading)
-        rows += claims
-        tables.append(claims_table(claims, f"What the text concludes, {reading.name}", "Conclusions"))
-    tables.append(_requirements(metrics))
-    tables.append(departures(runner, choices))
-    return Outcome(rows, shown, tables, _key_numbers(rows)), runner.runs
+        made.insert(1, _diverging(choices))
+    return made
 
 
-def _all(
-    run: Runner, reading: Reading, rates: tuple[float, ...], choices: Choices, panels: list[Any] | None = None
-) -> dict[Run, Metrics]:
-    """All runs of a reading; with `panels` given, its figures are added there."""
-    found = {}
-    for scenario in SCENARIOS:
-        results = {}
-        for controller in CONTROLLERS:
-            which = Run(controller, scenario)
-            results[controller] = _simulate(run, which, reading, choices, figures=panels is not None)
-            found[which] = measure(
-                results[controller], stride(exchange_step(scenario, reading, which.rate), which.rate)
+run = study_of(sections)
+
+
+def _tables(runs: Plan, rates: Sequence[float], choices: Choices) -> Section:
+    """Tables 9.6 to 9.19, and the figures."""
+
+    def show(found: Mapping[Any, Any]) -> Iterator[Shown]:
+        metrics = {name: of_reading(found, reading) for name, reading in READINGS.items()}
+        claims = []
+        for table in TABLES:
+            those = [cell for cell in cells(rates) if cell.table == table]
+            made, literal = (
+                [_claim(c, reading, metrics[reading.name], choices) for c in those] for reading in (AS_MADE, AS_PRINTED)
             )
-        if panels is not None:
-            if scenario == "nominal":
-                panels += reference_panels(results["bs"])
-            panels += scenario_panels(scenario, results)
-    for rate in rates:
-        for scenario in RATE_SCENARIOS:
-            for controller in CONTROLLERS:
-                which = Run(controller, scenario, rate)
-                result = _simulate(run, which, reading, choices)
-                found[which] = measure(result, stride(exchange_step(scenario, reading, rate), rate))
-    return found
+            claims += [claim for pair in zip(made, literal, strict=True) for claim in pair]
+            if those:
+                yield _table(table, those, made, literal, metrics[CORRECTED.name])
+        yield from claims
+        yield from _panels(found)
+        yield from _key_numbers(claims)
+
+    return Section("", "", show, runs, counted=AS_MADE.name)
 
 
-def _simulate(run: Runner, which: Run, reading: Reading, choices: Choices, figures: bool = False) -> Result:
-    system = build(which.controller, which.scenario, reading, which.rate)
-    label = f"{CONTROLLERS[which.controller]}, {which.scenario}, {which.rate:g} Hz, {reading.name}"
-    step = exchange_step(which.scenario, reading, which.rate)
-    return run(label, system, stop_time=choices.stop_time, step=step, save=Save(recorded(system, figures)))
+def _panels(found: Mapping[Any, Any]) -> list[Panel]:
+    panels = reference_panels(found[FIGURES, Run("bs", "nominal")])
+    for scenario in SCENARIOS:
+        panels += scenario_panels(scenario, {c: found[FIGURES, Run(c, scenario)] for c in CONTROLLERS})
+    return panels
 
 
-def _grouped(all_cells: list[Cell]) -> list[tuple[str, list[Cell]]]:
-    groups: dict[str, list[Cell]] = {}
-    for cell in all_cells:
-        late = float(cell.table.removeprefix("Table 9.")) >= 17
-        groups.setdefault(RATE_GROUP if late else GROUPS[cell.run.scenario], []).append(cell)
-    return list(groups.items())
-
-
-def _row(cell: Cell, reading: Reading, metrics: Mapping[Run, Metrics], choices: Choices) -> Row:
-    ours = cell.of(metrics)
+def _claim(cell: Cell, reading: Reading, metrics: Mapping[Run, Metrics], choices: Choices) -> Claim:
+    ours, name = cell.of(metrics), reading.name
 
     def agrees(printed: float) -> bool:
         return abs(ours - printed) <= max(choices.agreement * abs(printed), cell.half_digit)
 
-    result: Verdict = verdict(agrees(cell.printed))
+    holds: bool | None = agrees(cell.printed)
     note = f"within {100 * choices.agreement:g} % or half the last digit"
     if cell.meant is not None:
-        note = f"{cell.why}: {cell.meant:.6g} is meant"
-        result = "wrong in print" if agrees(cell.meant) else "not reproduced"
+        holds, note = None if agrees(cell.meant) else False, f"{cell.why}: {cell.meant:.6g} is meant"
     error = (ours - cell.printed) / cell.printed if isfinite(ours) else inf
-    return Row("trigo", cell.table, cell.label, reading.name, cell.printed, ours, error, result, note)
+    return Claim(cell.table, cell.label, name, cell.printed, ours, holds, note, error, name)
 
 
 def _table(
-    name: str, group: str, those: list[Cell], made: list[Row], literal: list[Row], corrected: Mapping[Run, Metrics]
+    name: str, those: list[Cell], made: list[Claim], literal: list[Claim], corrected: Mapping[Run, Metrics]
 ) -> Table:
+    at_rates = all(cell.run.rate not in {run.rate for run in corrected} for cell in those)
     lines: list[list[object]] = []
     for cell, first, second in zip(those, made, literal, strict=True):
-        if cell.table != name:
-            continue
-        line: list[object] = [cell.label, cell.text, cell.rounded(first.ours), _percent(first), first.verdict]
-        line += [cell.rounded(second.ours), _percent(second)]
-        if group != RATE_GROUP:
-            line.append(cell.rounded(cell.of(corrected)))
-        lines.append(line)
+        line: list[object] = [cell.label, cell.text, cell.rounded(first.measure), _percent(first), first.verdict]
+        line += [cell.rounded(second.measure), _percent(second)]
+        lines.append(line if at_rates else [*line, cell.rounded(cell.of(corrected))])
     columns = ["cell", "printed", "as made", "error", "verdict", "as printed", "error "]
-    if group != RATE_GROUP:
-        columns.append("corrected")
-    beside = "the literal reading stands" if group == RATE_GROUP else "the literal reading and the corrected one stand"
+    beside = "the literal reading stands" if at_rates else "the literal reading and the corrected one stand"
     note = f"The verdict is on the reading of the tables; {beside} beside it."
-    return Table(f"{name}: {TABLES[name]}", columns, lines, note, group)
+    group = RATE_GROUP if at_rates else GROUPS[those[0].run.scenario]
+    return Table(f"{name}: {TABLES[name]}", columns if at_rates else [*columns, "corrected"], lines, note, group)
 
 
-def _percent(row: Row) -> str:
-    error = row.relative_error
+def _percent(claim: Claim) -> str:
+    error = claim.error
     if error is None or not isfinite(error):
         return "diverged"
     return f"{100 * error:+.2f} %" if abs(error) < 1 else f"{100 * error:+.0f} %"
 
 
-def _divergence(run: Runner, choices: Choices, controller: str, scenario: Scenario) -> Row:
-    """One of the runs at 5 Hz that the text says diverge without reduced gains."""
-    system = build(controller, scenario, AS_MADE, 5.0, reduced_gains=False)  # type: ignore[arg-type]
-    label = f"{CONTROLLERS[controller]}, {scenario}, 5 Hz, gains of 10 Hz"  # type: ignore[index]
-    try:
-        result = run(label, system, stop_time=choices.stop_time, step=0.2, save=Save(recorded(system)))
-        worst = measure(result).worst["scanning"][0]
-        ours, holds = f"pointing error up to {worst / 3600:.3g} deg while scanning", worst > 3600
-    except RunFailed as failed:
-        ours, holds = f"stopped at {failed.result.time[-1]:g} s: values beyond the range of numbers", True
-    return Row(
-        "trigo",
-        "Sec. 9.3.5",
-        f"{CONTROLLERS[controller]}, {scenario}, 5 Hz with the gains of 10 Hz",  # type: ignore[index]
-        AS_MADE.name,
-        "diverges",
-        ours,
-        None,
-        verdict(holds),
-        "diverged: a pointing error above 1 deg while scanning, or values without end",
-    )
+def _diverging(choices: Choices) -> Section:
+    """The runs at 5 Hz that the text says diverge without reduced gains."""
+    runs = {run: simulation(run, AS_MADE, choices, reduced_gains=False) for run in DIVERGING}
+    runs = {
+        run: replace(one, label=f"{one.label}, gains of 10 Hz", view=_end, may_fail=True) for run, one in runs.items()
+    }
+
+    def show(found: Mapping[Run, tuple[str, bool]]) -> Iterator[Shown]:
+        for run, (ours, holds) in found.items():
+            yield Claim("Sec. 9.3.5", f"{CONTROLLERS[run.controller]}, {run.scenario}, 5 Hz with the gains of 10 Hz",
+                        AS_MADE.name,
+                        "diverges", ours, holds,
+                        "diverged: a pointing error above 1 deg while scanning, or values without end",
+                        reading=AS_MADE.name)  # fmt: skip
+
+    return Section(RATE_GROUP, "At 5 Hz with the gains of 10 Hz", show, runs)
 
 
-def _requirements(metrics: Mapping[Reading, Mapping[Run, Metrics]]) -> Table:
-    columns = ["scenario", "controller", *(reading.name for reading in metrics)]
-    lines: list[list[object]] = []
-    for scenario in SCENARIOS:
-        for controller, name in CONTROLLERS.items():
-            line: list[object] = [GROUPS[scenario], name]
-            for runs in metrics.values():
-                worst = runs[Run(controller, scenario)].worst.values()
-                theta, omega = (max(values) for values in zip(*worst, strict=True))
-                line.append(f"{theta:.3g} arcsec, {omega:.3g} arcsec/s: {worst_requirement(theta, omega)}")
-            lines.append(line)
-    note = (
-        "Largest errors from 20 s after the beginning of each stretch; required are "
-        f"{ATTITUDE_REQUIREMENT:g} arcsec and {RATE_REQUIREMENT:g} arcsec/s (9.11)."
-    )
-    return Table("Requirements", columns, lines, note, "Conclusions")
+def _end(result: Result) -> tuple[str, bool]:
+    """How such a run ends, and whether that is a divergence."""
+    if failed_at(result) is not None:
+        return f"stopped at {result.time[-1]:g} s: values beyond the range of numbers", True
+    worst = measure(result).worst["scanning"][0]
+    return f"pointing error up to {worst / 3600:.3g} deg while scanning", worst > 3600
 
 
-def _key_numbers(rows: list[Row]) -> list[KeyNumber]:
+def _conclusions(runs: Plan) -> Section:
+    def show(found: Mapping[Any, Any]) -> Iterator[Shown]:
+        for name, reading in READINGS.items():
+            claims = list(judged(of_reading(found, reading), reading))
+            yield from claims
+            yield claims_table(claims, f"What the text concludes, {name}")
+
+    return Section("Conclusions", "", show, runs)
+
+
+def _key_numbers(claims: list[Claim]) -> list[KeyNumber]:
     numbers = []
     for reading in (AS_MADE, AS_PRINTED):
-        those = [row for row in rows if row.settings == reading.name and row.table.startswith("Table")]
-        held = sum(row.verdict == "reproduced" for row in those)
-        wrong = sum(row.verdict == "wrong in print" for row in those)
-        more = f", and {wrong} are wrong in print" if wrong else ""
-        numbers.append(KeyNumber(f"Cells reproduced, {reading.name}", f"{held} of {len(those)}", "", more.strip(", ")))
+        counts = tally(claim for claim in claims if claim.reading == reading.name)
+        label, cells_ = f"Cells reproduced, {reading.name}", f"{counts.get('reproduced', 0)} of {sum(counts.values())}"
+        wrong = counts.get("wrong in print", 0)
+        numbers.append(KeyNumber(label, cells_, "", f"and {wrong} are wrong in print" if wrong else ""))
     return numbers

@@ -8,33 +8,12 @@ from typing import get_args
 
 import numpy as np
 
+from adcs.library.trigo import settings
 from adcs.library.trigo.catalogue import LONG_NAMES, SCENARIOS, Controller, Scenario, system_name
 from adcs.library.trigo.settings import (
     AS_MADE,
-    C_1,
-    C_2,
     CONTROL_RATE,
-    DAMPING,
-    II_GAIN,
-    INERTIA,
-    MIRROR_EULER,
-    MIRROR_MASS,
-    MIRROR_POSITION,
-    MIRROR_SWING,
-    NESO,
-    NESO_GAIN,
     PLANT_STEP,
-    RATE_LIMIT,
-    REDUCED_II_GAIN,
-    REDUCED_NESO_GAIN,
-    TF_GAIN,
-    TORQUE_LIMIT,
-    TORQUE_RATE_LIMIT,
-    WHEEL_AXIS,
-    WHEEL_MASS,
-    WHEEL_POSITION,
-    WHEEL_RADIUS,
-    WHEEL_SPEED,
     Reading,
     Start,
     known_inertia,
@@ -45,22 +24,20 @@ from fmus.errors import AdcsError
 from orchestration.system import System
 
 ZERO = (0.0, 0.0, 0.0)
-METRICS = (
+RECORD = (
+    "guidance.sigma_RO",
+    "plant.sigma_BO",
+    "plant.omega_BN_B",
     "plant.workload",
     "plant.torque_unmodelled_B",
     "law.sigma_RB",
     "law.z_2_B",
+    "law.omega_c_B",
     "law.omegaDot_c_B",
+    "law.torque_B",
     "law.torque_raw_B",
 )
-ESTIMATE = "observer.torque_disturbance_B_est"
-FIGURES = (
-    "guidance.sigma_RO",
-    "plant.sigma_BO",
-    "plant.omega_BN_B",
-    "law.omega_c_B",
-    "law.torque_B",
-)
+ESTIMATE, INNOVATION = "observer.torque_disturbance_B_est", "observer.innovation_B"
 
 
 def build(
@@ -85,30 +62,22 @@ def build(
     known = {"J0_B": known_inertia(scenario), "orbital_rate": n}
     reduced = rate == 5.0 if reduced_gains is None else reduced_gains
     odd = reading.odd_start(rate)
-    system.add(
-        "guidance",
-        "ScanningReference",
-        {
-            "slew_start": reading.slew_start,
-            "period": period,
-            "lag": 0 if odd else reading.lag,
-            "difference": int(reading.rate_by_difference),
-        },
-    )
+    sampled = {"period": period, "lag": 0 if odd else reading.lag, "difference": int(reading.rate_by_difference)}
+    system.add("guidance", "ScanningReference", {"slew_start": reading.slew_start, **sampled})
     omega = (0.0, -n, 0.0) if odd else ZERO
     # Held as a torque the mismatch acts on a body of the known inertia; else it is in the body.
-    true = known["J0_B"] if reading.disturbance_held else INERTIA
+    true = known["J0_B"] if reading.disturbance_held else settings.INERTIA
     system.add("plant", "OrbitingBody", {"J_B": true, **known, "omega_BN_B": omega, "max_internal_step": PLANT_STEP})
     system.add("sensor", "AttitudeRateSensor")
     law = {
         **known,
-        "c_1": C_1 * np.eye(3),
-        "c_2": C_2 * np.eye(3),
-        "K": (0.0 if controller == "bs" else DAMPING) * np.eye(3),
-        "rate_limit": RATE_LIMIT,
+        "c_1": settings.C_1 * np.eye(3),
+        "c_2": settings.C_2 * np.eye(3),
+        "K": (0.0 if controller == "bs" else settings.DAMPING) * np.eye(3),
+        "rate_limit": settings.RATE_LIMIT,
         "acceleration_limit": reading.acceleration_limit,
-        "torque_limit": TORQUE_LIMIT,
-        "torque_rate_limit": TORQUE_RATE_LIMIT,
+        "torque_limit": settings.TORQUE_LIMIT,
+        "torque_rate_limit": settings.TORQUE_RATE_LIMIT,
         "period": period,
         "start_at_command": int(odd),
     }
@@ -128,35 +97,22 @@ def _add_observer(
     system: System, controller: Controller, known: Start, period: float, reading: Reading, reduced: bool
 ) -> None:
     if controller == "tf":
-        gain = TF_GAIN * np.eye(3)
+        gain = settings.TF_GAIN * np.eye(3)
         start = {"G": gain, "period": period, "update_first": reading.update_first}
         system.add("observer", "TuningFunctionObserver", start)
         system.connect("law.z_2_bar_B", "observer.z_2_bar_B")
     elif controller == "neso":
         J0 = known["J0_B"]
-        gain = (REDUCED_NESO_GAIN if reduced else NESO_GAIN) * J0
-        system.add(
-            "observer",
-            "NonlinearExtendedStateObserver",
-            {
-                **known,
-                **NESO,
-                "beta_1": np.eye(3),
-                "beta_2": gain @ J0 if reading.neso_inertia_twice else gain,
-                "torque_delay": reading.neso_torque_delay,
-                "period": period,
-            },
-        )
+        gain = (settings.REDUCED_NESO_GAIN if reduced else settings.NESO_GAIN) * J0
+        beta = {"beta_1": np.eye(3), "beta_2": gain @ J0 if reading.neso_inertia_twice else gain}
+        start = {**known, **settings.NESO, **beta, "torque_delay": reading.neso_torque_delay, "period": period}
+        system.add("observer", "NonlinearExtendedStateObserver", start)
         system.connect("sensor.sigma_BO_meas", "observer.sigma_BO")
         system.connect("sensor.omega_BN_B_meas", "observer.omega_BN_B")
         system.connect("law.torque_B", "observer.torque_B")
     elif controller == "ii":
-        start = {
-            "J0_B": known["J0_B"],
-            "gamma": REDUCED_II_GAIN if reduced else II_GAIN,
-            "period": period,
-            "update_first": reading.update_first,
-        }
+        gamma = settings.REDUCED_II_GAIN if reduced else settings.II_GAIN
+        start = {"J0_B": known["J0_B"], "gamma": gamma, "period": period, "update_first": reading.update_first}
         system.add("observer", "ImmersionInvarianceObserver", start)
         system.connect("sensor.omega_BN_B_meas", "observer.omega_BN_B")
         system.connect("law.acceleration_expected_B", "observer.acceleration_expected_B")
@@ -168,30 +124,24 @@ def _add_observer(
 
 def _add_disturbance(system: System, scenario: Scenario, known: Start, period: float, reading: Reading) -> None:
     held = period if reading.disturbance_held else 0.0
+
+    def offset(mass: float, position: tuple[float, float, float]) -> settings.Matrix:
+        return parallel_axis(mass, position) if reading.parallel_axis else np.zeros((3, 3))
+
     if scenario == "wheel":
-        spin = {
-            "axis": WHEEL_AXIS,
-            "inertia": WHEEL_MASS * WHEEL_RADIUS**2 / 2,
-            "speed": WHEEL_SPEED,
-            "J_offset_B": parallel_axis(WHEEL_MASS, WHEEL_POSITION) if reading.parallel_axis else np.zeros((3, 3)),
-            "period": held,
-        }
-        system.add("wheel", "SpinningWheel", spin)
+        mass, radius = settings.WHEEL_MASS, settings.WHEEL_RADIUS
+        spin = {"axis": settings.WHEEL_AXIS, "inertia": mass * radius**2 / 2, "speed": settings.WHEEL_SPEED}
+        around = {"J_offset_B": offset(mass, settings.WHEEL_POSITION), "period": held}
+        system.add("wheel", "SpinningWheel", spin | around)
         system.connect("plant.omega_BN_B", "wheel.omega_BN_B")
         system.connect("wheel.torque_B", "plant.torque_disturbance_B")
     elif scenario == "mirror":
-        swing = {
-            **known,
-            **MIRROR_SWING,
-            "J_A": mirror_moments(reading.mirror_size),
-            "euler": MIRROR_EULER,
-            "J_offset_B": parallel_axis(MIRROR_MASS, MIRROR_POSITION) if reading.parallel_axis else np.zeros((3, 3)),
-            "period": held,
-        }
-        system.add("mirror", "OscillatingPayload", swing)
+        swing = {**known, **settings.MIRROR_SWING, "J_A": mirror_moments(reading.mirror_size)}
+        around = {"J_offset_B": offset(settings.MIRROR_MASS, settings.MIRROR_POSITION), "period": held}
+        system.add("mirror", "OscillatingPayload", swing | {"euler": settings.MIRROR_EULER} | around)
         _connect_source(system, "mirror")
     elif scenario == "mismatch" and reading.disturbance_held:
-        system.add("mismatch", "InertiaMismatch", {"J_B": INERTIA, **known, "period": held})
+        system.add("mismatch", "InertiaMismatch", {"J_B": settings.INERTIA, **known, "period": held})
         _connect_source(system, "mismatch")
     else:
         system.set("plant.torque_disturbance_B", ZERO)
@@ -224,14 +174,9 @@ def stride(step: float, rate: float) -> int:
     return round(ratio)
 
 
-def recorded(system: System, figures: bool = False) -> list[str]:
-    """What the metrics need, and on request what the figures show besides."""
-    names = [*METRICS, *(FIGURES if figures else ())]
-    if "observer" in system.components:
-        names.append(ESTIMATE)
-        if figures and any(name == "observer.innovation_B" for name in system.outputs()):
-            names.append("observer.innovation_B")
-    return names
+def recorded(system: System) -> list[str]:
+    """What measures and figures need."""
+    return [*RECORD, *(name for name in (ESTIMATE, INNOVATION) if name in system.outputs())]
 
 
 BUILDERS: dict[str, Callable[[], System]] = {

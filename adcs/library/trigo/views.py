@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,8 +16,9 @@ from adcs.library.trigo.settings import (
     ATTITUDE_REQUIREMENT,
     CONTROLLERS,
     RATE_REQUIREMENT,
+    STATIC,
 )
-from adcs.library.trigo.systems import ESTIMATE
+from adcs.library.trigo.systems import ESTIMATE, INNOVATION
 from orchestration.results.plots import Guide, Panel, Series, components
 from orchestration.results.report import KeyNumber
 from orchestration.results.result import Result
@@ -26,7 +28,6 @@ Array = NDArray[np.float64]
 POINTING_LABEL, RATE_LABEL = "θ_e [arcsec]", "|ω_e| [arcsec/s]"
 POINTING_GUIDE = Guide(ATTITUDE_REQUIREMENT, "required: 30 arcsec")
 RATE_GUIDE = Guide(RATE_REQUIREMENT, "required: 1 arcsec/s")
-STATIC: tuple[Controller, ...] = ("bs", "rbs")
 COLORS = {controller: i for i, controller in enumerate(CONTROLLERS)}
 GROUPS: dict[Scenario, str] = {
     "nominal": "Nominal scenario",
@@ -69,22 +70,17 @@ def euler_321(sigma: ArrayLike) -> Array:
 
 def reference_panels(result: Result) -> list[Panel]:
     """Fig. 9.3."""
-    sigma, group = result["guidance.sigma_RO"], "Reference"
+    time, sigma, title = result.time, result["guidance.sigma_RO"], "reference attitude"
+    angles = components("θ", time, euler_321(sigma))
     return [
-        Panel("Fig. 9.3a: reference attitude", "MRP", components("MRP", result.time, sigma), group=group),
-        Panel(
-            "Fig. 9.3b: reference attitude",
-            "Euler angles 3-2-1 [deg]",
-            components("θ", result.time, euler_321(sigma)),
-            group=group,
-        ),
+        Panel(f"Fig. 9.3a: {title}", "MRP", components("MRP", time, sigma), group="Reference"),
+        Panel(f"Fig. 9.3b: {title}", "Euler angles 3-2-1 [deg]", angles, group="Reference"),
     ]
 
 
 def scenario_panels(scenario: Scenario, runs: Runs) -> list[Panel]:
     """The figures of one scenario, all controllers beside each other."""
     pointing, rate, tracking, torque, estimation = FIGURES[scenario]
-    group = GROUPS[scenario]
     parts: list[tuple[str, str, Sequence[Controller]]] = [("", "", tuple(CONTROLLERS))]
     if scenario in ("wheel", "mirror"):
         parts = [("a", ", static controllers", STATIC), ("b", ", adaptive controllers", ADAPTIVE)]
@@ -96,62 +92,35 @@ def scenario_panels(scenario: Scenario, runs: Runs) -> list[Panel]:
         for letter, those, controllers in parts:
             curves = [_series(runs[c], c, values(runs[c])) for c in controllers]
             title = f"Fig. {number}{letter}: {what}{those}"
-            panels.append(Panel(title, label, curves, note=LEFT_OUT, guides=[guide], group=group))
-    bs, ii = runs["bs"], runs["ii"]
-    panels.append(
-        Panel(
-            f"Fig. {tracking}a: attitude",
-            "MRP",
-            [
-                *components("reference", bs.time, bs["guidance.sigma_RO"], "dot"),
-                *components("BS", bs.time, bs["plant.sigma_BO"], "dash"),
-                *components("I&I", ii.time, ii["plant.sigma_BO"]),
-            ],
-            note="The others lie on the same curves.",
-            group=group,
-        )
-    )
-    panels.append(
-        Panel(
-            f"Fig. {tracking}b: angular velocity",
-            "ω [rad/s]",
-            [
-                *components("x_2,c", ii.time, ii["law.omega_c_B"], "dot"),
-                *components("BS", bs.time, bs["plant.omega_BN_B"], "dash"),
-                *components("I&I", ii.time, ii["plant.omega_BN_B"]),
-            ],
-            group=group,
-        )
-    )
-    panels.append(
-        Panel(
-            f"Fig. {torque}a: control torque",
-            "T_c [mN·m]",
-            [
-                *components("BS", bs.time, 1e3 * bs["law.torque_B"], "dash"),
-                *components("I&I", ii.time, 1e3 * ii["law.torque_B"]),
-            ],
-            group=group,
-        )
-    )
+            panels.append(Panel(title, label, curves, note=LEFT_OUT, guides=[guide]))
+    note = "The others lie on the same curves."
+    attitude = ("reference", "guidance.sigma_RO", "plant.sigma_BO", "MRP", 1.0)
+    velocity = ("x_2,c", "law.omega_c_B", "plant.omega_BN_B", "ω [rad/s]", 1.0)
+    command = ("", "", "law.torque_B", "T_c [mN·m]", 1e3)
+    panels += [
+        replace(_compared(f"Fig. {tracking}a: attitude", runs, *attitude), note=note),
+        _compared(f"Fig. {tracking}b: angular velocity", runs, *velocity),
+        _compared(f"Fig. {torque}a: control torque", runs, *command),
+    ]
     for axis in range(3):
         curves = [_series(runs[c], c, 1e6 * runs[c][ESTIMATE][:, axis]) for c in ADAPTIVE]
-        late = _shown(ii)
-        curves.append(Series("T_d", ii.time[late], 1e6 * disturbance(ii)[late, axis], "dot", color=7))
-        panels.append(
-            Panel(
-                f"Fig. {estimation}: disturbance torque and its estimates, axis {axis + 1}",
-                f"T_d{axis + 1} [µN·m]",
-                curves,
-                note=LEFT_OUT,
-                group=group,
-            )
-        )
+        late = _shown(runs["ii"])
+        known = 1e6 * disturbance(runs["ii"])[late, axis]
+        curves.append(Series("T_d", runs["ii"].time[late], known, "dot", color=7))
+        title = f"Fig. {estimation}: disturbance torque and its estimates, axis {axis + 1}"
+        panels.append(Panel(title, f"T_d{axis + 1} [µN·m]", curves, note=LEFT_OUT))
     if scenario == "mirror":
-        neso = runs["neso"]
-        innovation = components("ω̃", neso.time, 1e6 * neso["observer.innovation_B"])
-        panels.append(Panel("Fig. E.9: innovation of the NESO", "ω - ω̂ [µrad/s]", innovation, group=group))
-    return panels
+        innovation = components("ω̃", runs["neso"].time, 1e6 * runs["neso"][INNOVATION])
+        panels.append(Panel("Fig. E.9: innovation of the NESO", "ω - ω̂ [µrad/s]", innovation))
+    return [replace(panel, group=GROUPS[scenario]) for panel in panels]
+
+
+def _compared(title: str, runs: Runs, what: str, wanted: str, name: str, label: str, factor: float) -> Panel:
+    """A variable under the least and the most elaborate law, beside what is wanted of it, if that is given."""
+    bs, ii = runs["bs"], runs["ii"]
+    curves = components(what, ii.time, ii[wanted], "dot") if wanted else []
+    curves += components("BS", bs.time, factor * bs[name], "dash") + components("I&I", ii.time, factor * ii[name])
+    return Panel(title, label, curves)
 
 
 def _series(result: Result, controller: Controller, values: Array) -> Series:
@@ -161,19 +130,13 @@ def _series(result: Result, controller: Controller, values: Array) -> Series:
 
 def figures(result: Result) -> list[Panel]:
     """Of one run: errors with the requirements, attitude, rate, torque, disturbance and estimate."""
-    time = result.time
-    known = disturbance(result)
+    time, known = result.time, disturbance(result)
+    attitude = components("reference", time, result["guidance.sigma_RO"], "dot")
+    attitude += components("body", time, result["plant.sigma_BO"])
     panels = [
         Panel("Pointing error", POINTING_LABEL, [Series("", time, pointing_error(result))], guides=[POINTING_GUIDE]),
         Panel("Norm of the rate error", RATE_LABEL, [Series("", time, rate_error(result))], guides=[RATE_GUIDE]),
-        Panel(
-            "Attitude",
-            "MRP",
-            [
-                *components("reference", time, result["guidance.sigma_RO"], "dot"),
-                *components("body", time, result["plant.sigma_BO"]),
-            ],
-        ),
+        Panel("Attitude", "MRP", attitude),
         Panel("Angular velocity", "ω [rad/s]", components("ω", time, result["plant.omega_BN_B"])),
         Panel("Control torque", "T_c [mN·m]", components("T_c", time, 1e3 * result["law.torque_B"])),
     ]
@@ -203,16 +166,3 @@ def key_numbers(result: Result) -> list[KeyNumber]:
         numbers.append(KeyNumber("Estimation error, RMS", 1e6 * metrics.estimation, "µN·m", "from 505 s on"))
     numbers.append(KeyNumber("Workload", 1e3 * metrics.workload, "mJ", "of the control torque"))
     return numbers
-
-
-def worst_requirement(theta: float, omega: float) -> str:
-    """`met` or what is not."""
-    missed = [
-        text
-        for text, value, limit in (
-            ("pointing", theta, ATTITUDE_REQUIREMENT),
-            ("rate", omega, RATE_REQUIREMENT),
-        )
-        if value > limit
-    ]
-    return " and ".join(missed) + " missed" if missed else "met"

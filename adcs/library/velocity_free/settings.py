@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from math import inf, radians, sqrt
+from dataclasses import dataclass
+from math import radians, sqrt
 from typing import Any
 
-from fmus.errors import AdcsError
+from adcs.library.choices import Checked, Must, at_least, choice, positive
 
 REFERENCE = (
     "Velocity-free passivity-based attitude tracking with measurement errors, disturbances and inertia mismatch, Sec. V"
@@ -58,40 +58,25 @@ class Uncertainty:
     @property
     def tracker(self) -> dict[str, float | int]:
         """Parameters of the star tracker; its rates stay below 2 mu_omega (28)."""
-        return {
-            "max_rate": 2 * RATE_BOUND,
-            "hold_time": self.hold_time,
-            "error_bound": self.error_bound,
-            "seed": self.seed,
-        }
+        kept = {"hold_time": self.hold_time, "error_bound": self.error_bound, "seed": self.seed}
+        return {"max_rate": 2 * RATE_BOUND, **kept}
+
+
+WITHIN_RUN = Must(lambda start, c: 0 <= start < c.stop_time, "earlier than stop_time")
+SHORT = Must(lambda step, _: 0 < step <= 0.05, "a positive time up to 0.05 s")
+FEASIBLE = Must(lambda points, _: 5 <= points <= 201, "5 to 201")
 
 
 @dataclass(frozen=True)
-class Choices:
+class Choices(Checked):
     """What the text does not say, or what is lost in print. All of it is printed in the report."""
 
-    seeds: int = field(default=10, metadata={"help": "number of runs with uncertainties, in each of the two problems"})
-    seed: int = field(default=1, metadata={"help": "seed of the first of them; the others count up from it"})
-    hold_time: float = field(default=0.1, metadata={"help": "the random rate of the measurement error is held [s]"})
-    mass: float = field(default=1.0, metadata={"help": "mass of the spacecraft, missing in (92) [kg]"})
-    stop_time: float = field(default=200.0, metadata={"help": "end of every run [s]"})
-    steady_from: float = field(default=100.0, metadata={"help": "the residual set is looked at from here on [s]"})
-    step: float = field(default=0.002, metadata={"help": "exchange step of the runs with uncertainties [s]"})
-    start_rate: float = field(default=START_RATE, metadata={"help": "|dw(0)| of the gain regions [rad/s]"})
-    grid: int = field(default=41, metadata={"help": "points per axis on which the gain regions are looked for"})
-
-    def __post_init__(self) -> None:
-        """Refuse choices with which the statements of the text cannot be judged."""
-        for name, holds, expected in (
-            ("seeds", self.seeds >= 1, "1 or more"),
-            ("seed", self.seed >= 0, "0 or more"),
-            ("hold_time", 0 < self.hold_time < inf, "a positive time"),
-            ("mass", 0 < self.mass < inf, "a positive mass"),
-            ("stop_time", 0 < self.stop_time < inf, "a positive time"),
-            ("steady_from", 0 <= self.steady_from < self.stop_time, "earlier than stop_time"),
-            ("step", 0 < self.step <= 0.05, "a positive time up to 0.05 s"),
-            ("start_rate", 0 <= self.start_rate < inf, "0 or more"),
-            ("grid", 5 <= self.grid <= 201, "5 to 201"),
-        ):
-            if not holds:
-                raise AdcsError(f"choice {name} = {getattr(self, name):g}: expected {expected}")
+    seeds: int = choice(10, "number of runs with uncertainties, in each of the two problems", at_least(1))
+    seed: int = choice(1, "seed of the first of them; the others count up from it", at_least(0))
+    hold_time: float = choice(0.1, "the random rate of the measurement error is held [s]", positive("time"))
+    mass: float = choice(1.0, "mass of the spacecraft, missing in (92) [kg]", positive("mass"))
+    stop_time: float = choice(200.0, "end of every run [s]", positive("time"))
+    steady_from: float = choice(100.0, "the residual set is looked at from here on [s]", WITHIN_RUN)
+    step: float = choice(0.002, "exchange step of the runs with uncertainties [s]", SHORT)
+    start_rate: float = choice(START_RATE, "|dw(0)| of the gain regions [rad/s]", at_least(0))
+    grid: int = choice(41, "points per axis on which the gain regions are looked for", FEASIBLE)

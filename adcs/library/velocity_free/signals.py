@@ -1,82 +1,28 @@
-"""The errors of Sec. V from a recorded run, and how they are drawn."""
+"""The true errors of Sec. V, the torque, and what disturbs them, from a recorded run."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-
-import numpy as np
-from numpy.typing import NDArray
-
 from adcs.library import attitude
-from orchestration.results.plots import Guide, Panel, Series
+from adcs.library.trajectory import Quantity, Trajectory
 from orchestration.results.result import Result
 
-Array = NDArray[np.float64]
-
-ATTITUDE, RATE, TORQUE = "attitude tracking error", "rate tracking error", "control torque"
-MEASUREMENT, DISTURBANCE = "measurement error", "disturbance torque"
-LABELS = {
-    ATTITUDE: "‖δq_v‖",
-    RATE: "‖δω‖ [rad/s]",
-    TORQUE: "‖u‖ [N·m]",
-    MEASUREMENT: "‖q̃_v‖",
-    DISTURBANCE: "‖d‖ [N·m]",
-}
-
-FLOOR = 1e-7
+FLOOR = 1e-7  # an ideal run goes down to rounding, and would flatten the others
+ATTITUDE = Quantity("attitude tracking error", "δq_v", floor=FLOOR)
+RATE = Quantity("rate tracking error", "δω", "rad/s", FLOOR)
+TORQUE = Quantity("control torque", "u", "N·m", FLOOR)
+MEASUREMENT = Quantity("measurement error", "q̃_v")
+DISTURBANCE = Quantity("disturbance torque", "d", "N·m")
 
 
-@dataclass(frozen=True)
-class Signals:
-    """Norms over time, all (N,), of the true errors.
-
-    Vector part of q_BR, omega_BN_B - C(q_BR) omega_RN_R [rad/s], control torque [N.m]; with uncertainties also the
-    vector part of q_EB, and the disturbance torque [N.m].
-    """
-
-    time: Array
-    norms: Mapping[str, Array]
-
-    def after(self, start: float, name: str) -> Array:
-        """The norm from `start` [s] on."""
-        return self.norms[name][self.time >= start - 1e-9]
-
-
-def signals(result: Result, every: int = 1) -> Signals:
-    """The errors of a run of one of the four systems; every `every`-th row."""
-    rows = slice(None, None, every)
-    q_BR = attitude.relative_quaternion(result["plant.q_BN"][rows], result["guidance.q_RN"][rows])
-    rate = attitude.rate_error(result["plant.omega_BN_B"][rows], q_BR, result["guidance.omega_RN_R"][rows])
-    norms = {
-        ATTITUDE: attitude.norm(q_BR[:, 1:]),
-        RATE: attitude.norm(rate),
-        TORQUE: attitude.norm(result["controller.torque_B"][rows]),
+def signals(result: Result) -> Trajectory:
+    """A run of one of the four systems; the last two quantities are there with uncertainties only."""
+    q_BR = attitude.relative_quaternion(result["plant.q_BN"], result["guidance.q_RN"])
+    values = {
+        ATTITUDE: q_BR[:, 1:],
+        RATE: attitude.rate_error(result["plant.omega_BN_B"], q_BR, result["guidance.omega_RN_R"]),
+        TORQUE: result["controller.torque_B"],
     }
     if "tracker.q_EB" in result.names:
-        norms[MEASUREMENT] = attitude.norm(result["tracker.q_EB"][rows, 1:])
-        norms[DISTURBANCE] = attitude.norm(result["environment.torque_B"][rows])
-    return Signals(result.time[rows], norms)
-
-
-def panel(
-    name: str,
-    runs: Mapping[str, Signals],
-    title: str,
-    group: str,
-    guides: tuple[Guide, ...] = (),
-    log: bool = True,
-    note: str = "",
-) -> Panel:
-    """One norm over time; of several runs those labelled with an empty string or a number are drawn thin."""
-    series = [
-        Series(label, run.time, _shown(run.norms[name], log), faint=label.isdigit(), color=1 if label.isdigit() else 0)
-        for label, run in runs.items()
-        if name in run.norms
-    ]
-    return Panel(title, LABELS[name], series, log, note, guides=guides, group=group)
-
-
-def _shown(values: Array, log: bool) -> Array:
-    """On a logarithmic axis nothing below `FLOOR`: an ideal run goes down to rounding and would flatten the others."""
-    return np.where(values < FLOOR, np.nan, values) if log else values
+        values[MEASUREMENT] = result["tracker.q_EB"][:, 1:]
+        values[DISTURBANCE] = result["environment.torque_B"]
+    return Trajectory(result.time, values)

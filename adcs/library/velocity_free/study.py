@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
-
-from adcs.library.outcome import Outcome, Progress, Runner
+from adcs.library.sections import Section, study_of
 from adcs.library.velocity_free import feasible, loops
 from adcs.library.velocity_free.settings import Choices
-from orchestration.results.result import Result
-from orchestration.running.run import run as run_system
 
 TITLE = "Attitude tracking without rate measurement: passivity and a filter"
 SUMMARY = (
@@ -21,13 +16,11 @@ SUMMARY = (
 )
 
 
-def run(
-    choices: Choices, progress: Progress, simulate: Callable[..., Result] = run_system
-) -> tuple[Outcome, list[tuple[str, Mapping[str, Any]]]]:
-    """Run everything; returns the outcome, and label and manifest of each run."""
-    runner = Runner(progress, loops.run_count(choices), simulate)
-    outcome = feasible.feasible(choices)
-    for problem in loops.PROBLEMS:
-        outcome += loops.problem(runner, choices, problem)
-    outcome += loops.measurement_error(runner, choices) + loops.disturbance(runner, choices)
-    return outcome, runner.runs
+def sections(choices: Choices) -> list[Section]:
+    """Gains, the two problems, and what disturbs them."""
+    problems = [loops.problem(choices, which) for which in loops.PROBLEMS]
+    environment = [loops.measurement_error(choices), loops.disturbance(choices)]
+    return [feasible.feasible(choices), *problems, *environment]
+
+
+run = study_of(sections)

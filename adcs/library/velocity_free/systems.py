@@ -18,9 +18,6 @@ from adcs.library.velocity_free.settings import (
 )
 from orchestration.system import System
 
-RECORD = ("guidance.q_RN", "guidance.omega_RN_R", "plant.q_BN", "plant.omega_BN_B", "controller.torque_B")
-RECORD_UNCERTAIN = (*RECORD, "tracker.q_EB", "environment.torque_B")
-
 
 def stabilisation() -> System:
     """Bring the body to rest at the identity attitude, everything known."""

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from adcs.library.outcome import Outcome, Runner
-from adcs.library.thakur.adaptive.systems import RECORD, appendage, baseline, comparison_appendage, fuel
+from adcs.library.exchange import COUPLED, at_steps, whole
+from adcs.library.outcome import Shown
+from adcs.library.sections import Section, Simulation, failed_at
+from adcs.library.thakur.adaptive.systems import appendage, baseline, comparison_appendage, fuel
 from adcs.library.thakur.choices import Choices
 from orchestration.results.report import Table
-from orchestration.results.result import Result, RunFailed
+from orchestration.results.result import Result
 from orchestration.running.method import ModelExchange
-from orchestration.running.save import Save
-from orchestration.system import System
 
 GROUP = "Chapter 3: co-simulation against the coupled solution"
 STEPS = (0.001, 0.01)  # s
@@ -40,58 +40,63 @@ FUEL_CASES = [
     # the internal step is never longer than the exchange step
     if internal == INTERNAL_STEPS[0] or step > internal
 ]
-RUNS = len(SYSTEMS) * (1 + len(STEPS)) + 1 + len(FUEL_CASES)
 
 
-def exchange_steps(run: Runner, _: Choices) -> Outcome:
-    """Every loop at 1 ms and 10 ms, and the limits of the sampled law for fuel loss."""
-    rows = []
-    for label, build in SYSTEMS.items():
-        times = {"stop_time": STOP_TIME, "save": Save(RECORD)}
-        exact = run(f"{label}, coupled, 100 s", build(), step=GRID, **times, method=ModelExchange())
-        for step in STEPS:
-            result = run(f"{label}, co-simulation at {1e3 * step:g} ms", build(), step=step, **times)
-            rows.append([label, 1e3 * step, *_distances(result, exact, step)])
-    note = (
-        f"Largest difference of a component over {STOP_TIME:g} s. The controller for fuel loss integrates inside with "
-        "0.1 ms. Ten times the step, ten times the difference, but for its torque, which chatters at 10 ms: there the "
-        "loop is no longer resolved."
-    )
-    columns = ["loop", "exchange step [ms]", *COMPARED.values()]
-    distance = Table("Distance from the coupled solution", columns, rows, note, GROUP)
-    return Outcome(tables=[distance, _fuel_limits(run)])
+def exchange_steps(_: Choices) -> Section:
+    """Every loop at 1 ms and 10 ms: the largest difference of a component."""
+    runs = at_steps(SYSTEMS, STEPS, GRID, STOP_TIME)
+
+    def show(found: Mapping[tuple[str, float], Result]) -> Iterator[Shown]:
+        rows = [
+            [label, 1e3 * step, *_distances(found[label, step], found[label, COUPLED])]
+            for label in SYSTEMS
+            for step in STEPS
+        ]
+        note = (
+            f"Largest difference of a component over {STOP_TIME:g} s. The controller for fuel loss integrates inside "
+            "with 0.1 ms. Ten times the step, ten times the difference, but for its torque, which chatters at 10 ms: "
+            "there the loop is no longer resolved."
+        )
+        columns = ["loop", "exchange step [ms]", *COMPARED.values()]
+        yield Table("Distance from the coupled solution", columns, rows, note)
+
+    return Section(GROUP, "", show, runs)
 
 
-def _fuel_limits(run: Runner) -> Table:
-    times: dict[str, Any] = {"stop_time": FUEL_STOP_TIME, "save": Save(RECORD)}
-    exact = run("fuel, coupled, 40 s", fuel(), step=GRID, **times, method=ModelExchange())
-    rows: list[list[object]] = []
+def fuel_limits(_: Choices) -> Section:
+    """The limits of the sampled law for fuel loss, with the printed gains."""
+    stop, exact = FUEL_STOP_TIME, (0.0, 0.0)
+    runs = {exact: Simulation("fuel, coupled, 40 s", fuel(), whole, stop, GRID, ModelExchange())}
     for step, internal in FUEL_CASES:
-        label = f"fuel, exchange {1e3 * step:g} ms, internal {1e3 * internal:g} ms"
-        outcome = _attempt(run, label, fuel(max_internal_step=internal), step, times)
-        used = 1e3 * min(internal, step)
-        if isinstance(outcome, str):
-            rows.append([1e3 * step, used, outcome, *[None] * len(COMPARED)])
-        else:
-            rows.append([1e3 * step, used, "runs", *_distances(outcome, exact, step)])
-    note = (
-        f"The adaptive law for fuel loss with the printed gains, {FUEL_STOP_TIME:g} s, at the printed frequency. Its "
-        "projection pulls the estimate back at up to 4.5e3 1/s, and the adaptation oscillates with the loop at up to "
-        "100 rad/s. The internal step is that of the integrator in the controller; where both steps are "
-        "equal it is nearest to a digital controller that updates its estimates once per sample."
-    )
-    columns = ["exchange step [ms]", "internal step used [ms]", "", *COMPARED.values()]
-    return Table("Sampled limits of the law for fuel loss", columns, rows, note, GROUP)
+        runs[step, internal] = Simulation(
+            f"fuel, exchange {1e3 * step:g} ms, internal {1e3 * internal:g} ms",
+            fuel(max_internal_step=internal),
+            whole,
+            stop,
+            step,
+            every=round(GRID / step),
+            may_fail=True,
+        )
+
+    def show(found: Mapping[tuple[float, float], Result]) -> Iterator[Shown]:
+        rows: list[list[object]] = []
+        for step, internal in FUEL_CASES:
+            run, steps = found[step, internal], [1e3 * step, 1e3 * min(internal, step)]
+            if (end := failed_at(run)) is not None:
+                rows.append([*steps, f"diverges at {end:.3g} s", *[None] * len(COMPARED)])
+            else:
+                rows.append([*steps, "runs", *_distances(run, found[exact])])
+        note = (
+            f"The adaptive law for fuel loss with the printed gains, {stop:g} s, at the printed frequency. Its "
+            "projection pulls the estimate back at up to 4.5e3 1/s, and the adaptation oscillates with the loop at up "
+            "to 100 rad/s. The internal step is that of the integrator in the controller; where both steps are "
+            "equal it is nearest to a digital controller that updates its estimates once per sample."
+        )
+        columns = ["exchange step [ms]", "internal step used [ms]", "", *COMPARED.values()]
+        yield Table("Sampled limits of the law for fuel loss", columns, rows, note)
+
+    return Section(GROUP, "", show, runs)
 
 
-def _attempt(run: Runner, label: str, system: System, step: float, times: dict[str, Any]) -> Result | str:
-    """The result, or when the run ended because a value was no longer finite."""
-    try:
-        return run(label, system, step=step, **times)
-    except RunFailed as failure:
-        return f"diverges at {failure.result.time[-1]:.3g} s"
-
-
-def _distances(result: Result, exact: Result, step: float) -> list[float]:
-    every = round(GRID / step)
-    return [float(np.abs(result[name][::every] - exact[name]).max()) for name in COMPARED]
+def _distances(run: Result, exact: Result) -> list[float]:
+    return [float(np.abs(run[name] - exact[name]).max()) for name in COMPARED]

@@ -4,68 +4,63 @@ from __future__ import annotations
 
 from adcs.library.thakur.adaptive.signals import (
     ATTITUDE,
+    FUEL_LEFT,
+    MARGIN,
+    MOMENTS,
     RATE,
+    SIGMA_ERROR,
+    SIGMA_EST,
     TORQUE,
-    Track,
+    TRIANGLE,
     moments_panel,
-    norm_panel,
     sigma_panel,
     theta_panel,
     track,
 )
-from adcs.library.thakur.choices import Choices
-from orchestration.results.plots import Panel, Series
+from adcs.library.thakur.observer.views import error_numbers
+from adcs.library.trajectory import Trajectory, norm_panel
+from orchestration.results.plots import Panel
 from orchestration.results.report import KeyNumber
 from orchestration.results.result import Result
-
-_MARGIN = "controller.implementability"
 
 
 def figures(result: Result) -> list[Panel]:
     """Errors and torque, the estimates, and the inertia where it changes."""
     run = track(result)
     panels = [
-        norm_panel(ATTITUDE, {"": run}, "Attitude tracking error", "Tracking"),
-        norm_panel(RATE, {"": run}, "Rate tracking error", "Tracking"),
-        norm_panel(TORQUE, {"": run}, "Control torque", "Control", log=False),
+        norm_panel(error, {"": run}, f"{error.name.split()[0].capitalize()} tracking error", "Tracking")
+        for error in (ATTITUDE, RATE)
     ]
-    if _MARGIN in run.extra:
-        margin = Series("", run.time, run.extra[_MARGIN])
-        panels.append(Panel("Implementability of the law", "1 - ‖Ĵ₁Ω‖", [margin], group="Control"))
+    panels.append(norm_panel(TORQUE, {"": run}, group="Control", log=False))
+    if MARGIN in run:
+        panels.append(norm_panel(MARGIN, {"": run}, group="Control", log=False))
     panels.append(theta_panel(run, "Estimate of J_0", "Adaptation"))
-    if run.sigma.shape[1]:
-        labels = [f"Ĵ₁ {i + 1}" for i in range(run.sigma.shape[1])]
-        panels.append(sigma_panel(run, labels[:3], "kg or s", "Estimate of J_1", "Adaptation"))
-    if len(run.moments):
+    if SIGMA_EST in run:
+        labels = [f"Ĵ₁ {i + 1}" for i in range(min(3, run[SIGMA_EST].shape[1]))]
+        panels.append(sigma_panel(run, labels, "kg or s", "Estimate of J_1", "Adaptation"))
+    if MOMENTS in run:
         panels.append(moments_panel({"": run}, "Principal moments of inertia", "Inertia"))
     return panels
 
 
 def key_numbers(result: Result) -> list[KeyNumber]:
     """Convergence, the largest torque, how good the estimates are, and how far the limits of law and plant are."""
-    run, part = track(result), Choices().settled
-    numbers = []
-    for name, unit in ((ATTITUDE, ""), (RATE, "deg/s")):
-        note = f"stays below {part:.0%} of its peak"
-        title = name.capitalize()
-        numbers.append(KeyNumber(f"{title} converged", run.settling_time(name, part), "s", note))
-        numbers.append(KeyNumber(f"{title} at the end", run.end(name), unit, f"at {run.time[-1]:g} s"))
-    numbers.append(KeyNumber("Largest torque", run.peak(TORQUE), "N·m"))
-    return numbers + _limits(run)
+    run = track(result)
+    errors = [number for error in (ATTITUDE, RATE) for number in error_numbers(error, run)]
+    return [*errors, KeyNumber("Largest torque", run.peak(TORQUE), "N·m"), *_limits(run)]
 
 
-def _limits(run: Track) -> list[KeyNumber]:
+def _limits(run: Trajectory) -> list[KeyNumber]:
     numbers = []
-    if run.sigma.shape[1]:
-        error = f"{run.sigma_error()[-1]:.1%}"
+    if SIGMA_ERROR in run:
+        error = f"{run.end(SIGMA_ERROR):.1%}"
         numbers.append(KeyNumber("Error of the estimate of J_1", error, "", "of the true value, at the end"))
-    if _MARGIN in run.extra:
-        least = float(run.extra[_MARGIN].min())
-        numbers.append(KeyNumber("Least 1 - ‖Ĵ₁Ω‖", least, "", "the law is valid while this is positive, Eq. (3.39)"))
-    if "plant.fuel_left" in run.extra:
-        left = float(run.extra["plant.fuel_left"][-1])
-        numbers.append(KeyNumber("Fuel left", left, "N·m·s", "at 0 the thrusters give no torque"))
-    if len(run.moments):
-        margin = run.triangle_margin()
-        numbers.append(KeyNumber("Least margin of the triangle inequality", margin, "kg·m²", "of J, Eq. (3.5)"))
+    if MARGIN in run:
+        note = "the law is valid while this is positive, Eq. (3.39)"
+        numbers.append(KeyNumber("Least 1 - ‖Ĵ₁Ω‖", run.least(MARGIN), "", note))
+    if FUEL_LEFT in run:
+        numbers.append(KeyNumber("Fuel left", run.end(FUEL_LEFT), "N·m·s", "at 0 the thrusters give no torque"))
+    if TRIANGLE in run:
+        note = "of J, Eq. (3.5)"
+        numbers.append(KeyNumber("Least margin of the triangle inequality", run.least(TRIANGLE), "kg·m²", note))
     return numbers

@@ -2,172 +2,131 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 
 import numpy as np
 
 from adcs.library.attitude import direction_cosines
-from adcs.library.outcome import Outcome, Row, Runner, Verdict, claims_table, verdict
+from adcs.library.outcome import Claim, Shown
+from adcs.library.sections import Section, Simulation
 from adcs.library.thakur.choices import Choices
 from adcs.library.thakur.gyro_free.settings import AT_REST_BY, PRINTED_C_R, PRINTED_P, Q_RN
-from adcs.library.thakur.gyro_free.signals import ANGLE, RATE, SYMBOLS, TORQUE, Motion, motion, panel, vector_panel
-from adcs.library.thakur.gyro_free.systems import RECORD, RECORD_GYRO_FREE, gyro_free, gyro_free_full_state
+from adcs.library.thakur.gyro_free.signals import ANGLE, FILTER, LYAPUNOV, RATE, TORQUE, motion
+from adcs.library.thakur.gyro_free.systems import gyro_free, gyro_free_full_state
+from adcs.library.trajectory import Array, Runs, component_panel, norm_panel
 from orchestration.results.plots import Guide, Panel
 from orchestration.results.report import KeyNumber, Table
 from orchestration.running.method import ModelExchange
-from orchestration.running.save import Save
 
-GROUP = "4.3.1  Vectors without noise"
-GYRO_FREE, FULL_STATE = "gyro-free", "full state"
+WHERE = "Sec. 4.3"
+GYRO_FREE, FULL_STATE, FROM_ZERO = "gyro-free", "full state", "gyro-free, z(0) = 0"
 STEP = 0.1  # s, of the coupled solution
 LARGEST_TORQUE, MORE_TORQUE = 1.5e-2, 0.002  # N.m, as printed
 COMPARABLE = 1.25  # the efforts are comparable within this factor
-RUNS = 3
-
-Pair = Mapping[str, Motion]
 
 
-def noise_free(run: Runner, choices: Choices) -> Outcome:
-    """Check the statements of the section one by one, and draw Figs. 4.1 and 4.2."""
-    settings = {"stop_time": choices.stop_time, "step": STEP, "method": ModelExchange()}
-    own = run("gyro-free, coupled", gyro_free(), save=Save([*RECORD_GYRO_FREE, "controller.P"]), **settings)
-    full = run("full state on unit vectors, coupled", gyro_free_full_state(), save=Save(RECORD), **settings)
-    at_zero = gyro_free(controller={"filter_at_rest": False})
-    zero = run("gyro-free, z(0) = 0, coupled", at_zero, save=Save(RECORD_GYRO_FREE), **settings)
-    pair = {GYRO_FREE: motion(own), FULL_STATE: motion(full)}
-    rows = [
-        _reference(),
-        _lyapunov_matrix(own["controller.P"][0]),
-        *_torques(pair),
-        *_convergence(pair, choices),
-        _effort(pair),
-    ]
-    tables = [claims_table(rows, "The statements of Sec. 4.3.1", GROUP), _table(pair, motion(zero), choices)]
-    last = max(run_.settling_time(name, choices.settled) for run_ in pair.values() for name in (ANGLE, RATE))
-    number = KeyNumber("Gyro-free and full state at rest", last, "s", f"printed: within {AT_REST_BY:g} s")
-    return Outcome(rows, _panels(pair, motion(zero), choices), tables, [number])
+def noise_free(choices: Choices) -> Section:
+    """The statements of the section one by one, and Figs. 4.1 and 4.2."""
+    stop, method = choices.stop_time, ModelExchange()
+    from_zero = gyro_free(controller={"filter_at_rest": False})
+    own = gyro_free()
+    record = [*own.outputs(), "controller.P"]
+    full, text = gyro_free_full_state(), "full state on unit vectors, coupled"
+    runs = {
+        GYRO_FREE: Simulation("gyro-free, coupled", own, motion, stop, STEP, method, record=record),
+        FULL_STATE: Simulation(text, full, motion, stop, STEP, method),
+        FROM_ZERO: Simulation(f"{FROM_ZERO}, coupled", from_zero, motion, stop, STEP, method),
+    }
+    return Section(
+        "4.3.1  Vectors without noise", "The statements of Sec. 4.3.1", lambda found: _show(found, choices), runs
+    )
 
 
-def _row(
-    cell: str,
-    settings: str,
-    printed: float | str,
-    ours: float | str,
-    result: Verdict,
-    note: str,
-    off: float | None = None,
-) -> Row:
-    return Row("thakur", "Sec. 4.3", cell, settings, printed, ours, off, result, note)
+def _show(found: Runs, choices: Choices) -> Iterator[Shown]:
+    pair = {control: found[control] for control in (GYRO_FREE, FULL_STATE)}
+    three = {**pair, FROM_ZERO: found[FROM_ZERO]}
+    last = max(run.settled(what, choices.settled) for run in pair.values() for what in (ANGLE, RATE))
+    yield KeyNumber("Gyro-free and full state at rest", last, "s", f"printed: within {AT_REST_BY:g} s")
+    yield _reference()
+    yield _lyapunov_matrix(found[GYRO_FREE][LYAPUNOV][0])
+    yield from _torques(pair)
+    yield from _convergence(pair, choices)
+    yield _effort(pair)
+    yield from _panels(three)
+    yield _table(three, choices)
 
 
-def _reference() -> Row:
+def _reference() -> Claim:
     off = float(np.abs(direction_cosines(Q_RN) - np.array(PRINTED_C_R)).max())
     orthogonal = float(np.abs(np.array(PRINTED_C_R) @ np.transpose(PRINTED_C_R) - np.eye(3)).max())
-    return _row(
-        "C_r against 87.7° about [1, 1, 1]: largest difference of an element",
-        "",
-        "equal",
-        off,
-        verdict(off <= 1e-4),
-        f"printed to four digits, with which it is orthogonal to {orthogonal:.1g} only; the rotation itself is used",
-    )
+    return Claim(WHERE, "C_r against 87.7° about [1, 1, 1]: largest difference of an element", "",
+                 "equal", off, off <= 1e-4,
+                 f"printed to four digits, with which it is orthogonal to {orthogonal:.1g} only; "
+                 "the rotation itself is used")  # fmt: skip
 
 
-def _lyapunov_matrix(P: np.ndarray) -> Row:
+def _lyapunov_matrix(P: Array) -> Claim:
     off = float(np.abs(P - np.diag(PRINTED_P)).max() / max(PRINTED_P))
-    text = "diag(" + ", ".join(f"{p:g}" for p in PRINTED_P) + ")"
-    ours = "diag(" + ", ".join(f"{p:.6g}" for p in np.diag(P)) + ")"
-    return _row("P", "A_m, Q as printed", text, ours, verdict(off <= 1e-12), "solved for by the component", off)
+    return Claim(WHERE, "P", "A_m, Q as printed",
+                 "diag(" + ", ".join(f"{p:g}" for p in PRINTED_P) + ")",
+                 "diag(" + ", ".join(f"{p:.6g}" for p in np.diag(P)) + ")", off <= 1e-12,
+                 "solved for by the component", off)  # fmt: skip
 
 
-def _torques(pair: Pair) -> list[Row]:
-    rows = []
+def _torques(pair: Runs) -> Iterator[Claim]:
     for control, run in pair.items():
         peak = run.peak(TORQUE)
-        note = f"at {run.time[int(run.values[TORQUE].argmax())]:g} s"
-        printed = f"less than {LARGEST_TORQUE:g}"
-        rows.append(_row("largest control torque [N·m]", control, printed, peak, verdict(peak < LARGEST_TORQUE), note))
-    more = float(pair[GYRO_FREE].values[TORQUE][0] - pair[FULL_STATE].values[TORQUE][0])
-    off = more / MORE_TORQUE - 1
-    note = "judged to the one digit given; it is the rate term of full state, k_ω ‖ω(0)‖ = 0.0021 N·m, against Ω(0)"
-    rows.append(
-        _row(
-            "initial torque norm, gyro-free - full state [N·m]",
-            "",
-            MORE_TORQUE,
-            more,
-            verdict(round(more, 3) == MORE_TORQUE),
-            note,
-            off,
-        )
-    )
-    return rows
+        yield Claim(WHERE, "largest control torque [N·m]", control,
+                    f"less than {LARGEST_TORQUE:g}", peak, peak < LARGEST_TORQUE,
+                    f"at {run.time[int(run.norm(TORQUE).argmax())]:g} s")  # fmt: skip
+    more = pair[GYRO_FREE].start(TORQUE) - pair[FULL_STATE].start(TORQUE)
+    yield Claim(WHERE, "initial torque norm, gyro-free - full state [N·m]", "",
+                MORE_TORQUE, more, round(more, 3) == MORE_TORQUE,
+                "judged to the one digit given; it is the rate term of full state, k_ω ‖ω(0)‖ = 0.0021 N·m, "
+                "against Ω(0)", more / MORE_TORQUE - 1)  # fmt: skip
 
 
-def _convergence(pair: Pair, choices: Choices) -> list[Row]:
-    rows = []
-    for name in (RATE, ANGLE):
+def _convergence(pair: Runs, choices: Choices) -> Iterator[Claim]:
+    for what in (RATE, ANGLE):
         for control, run in pair.items():
-            settled, peak = run.settling_time(name, choices.settled), run.peak(name)
-            left = run.since(AT_REST_BY).values[name][0]
-            unit = SYMBOLS[name].partition("[")[2].rstrip("]")
-            note = f"below {choices.settled:g} of its peak ({peak:.3g} {unit}); at {AT_REST_BY:g} s {left:.2g} {unit}, "
-            note += f"{left / peak:.2g} of it"
-            rows.append(
-                _row(
-                    f"{name} driven to the origin [s]",
-                    control,
-                    "within two minutes",
-                    settled,
-                    verdict(settled <= AT_REST_BY),
-                    note,
-                )
-            )
-    return rows
+            settled, peak, left = run.settled(what, choices.settled), run.peak(what), run.after(AT_REST_BY).start(what)
+            yield Claim(WHERE, f"{what} driven to the origin [s]", control,
+                        "within two minutes", settled, settled <= AT_REST_BY,
+                        f"below {choices.settled:g} of its peak ({peak:.3g} {what.unit}); at {AT_REST_BY:g} s "
+                        f"{left:.2g} {what.unit}, {left / peak:.2g} of it")  # fmt: skip
 
 
-def _effort(pair: Pair) -> Row:
-    efforts = [pair[control].area(TORQUE) for control in (GYRO_FREE, FULL_STATE)]
-    ratio = efforts[0] / efforts[1]
-    return _row(
-        "torque requirement: ratio of the integrals of the torque",
-        "gyro-free / full state",
-        "comparable",
-        ratio,
-        verdict(1 / COMPARABLE <= ratio <= COMPARABLE),
-        f"{efforts[0]:.3g} and {efforts[1]:.3g} N·m·s; judged at a factor of {COMPARABLE:g}",
-    )
+def _effort(pair: Runs) -> Claim:
+    own, full = (pair[control].area(TORQUE) for control in (GYRO_FREE, FULL_STATE))
+    return Claim(WHERE, "torque requirement: ratio of the integrals of the torque", "gyro-free / full state",
+                 "comparable", own / full, 1 / COMPARABLE <= own / full <= COMPARABLE,
+                 f"{own:.3g} and {full:.3g} N·m·s; judged at a factor of {COMPARABLE:g}")  # fmt: skip
 
 
-def _table(pair: Pair, zero: Motion, choices: Choices) -> Table:
+def _table(runs: Runs, choices: Choices) -> Table:
     rows = []
-    for label, run in {**pair, "gyro-free, z(0) = 0": zero}.items():
-        times = [run.settling_time(name, choices.settled) for name in (ANGLE, RATE)]
-        rows.append([label, *times, run.area(TORQUE), run.peak(TORQUE), float(run.values[TORQUE][0])])
+    for label, run in runs.items():
+        times = [run.settled(what, choices.settled) for what in (ANGLE, RATE)]
+        rows.append([label, *times, run.area(TORQUE), run.peak(TORQUE), run.start(TORQUE)])
     columns = ["control", "angle converged [s]", "rate converged [s]", "effort [N·m·s]"]
     columns += ["largest torque [N·m]", "initial torque [N·m]"]
     note = (
         "Last line: the filter started at zero instead of at rest. Its derivative then stands for a motion that is not "
         "there, and the torque answers to it."
     )
-    return Table("The two laws, and the filter's start", columns, rows, note, GROUP)
+    return Table("The two laws, and the filter's start", columns, rows, note)
 
 
-def _panels(pair: Pair, zero: Motion, choices: Choices) -> list[Panel]:
+def _panels(runs: Runs) -> list[Panel]:
+    pair = {control: runs[control] for control in (GYRO_FREE, FULL_STATE)}
     shown = {control: run.until(AT_REST_BY) for control, run in pair.items()}
-    by = [Guide(AT_REST_BY, f"{AT_REST_BY:g} s", "x")]
-    starts = {"z(0) = -A_m⁻¹ B Ω(0)": pair[GYRO_FREE].until(10.0), "z(0) = 0": zero.until(10.0)}
+    limit, by = Guide(LARGEST_TORQUE, "printed limit"), Guide(AT_REST_BY, f"{AT_REST_BY:g} s", "x")
+    starts = {"z(0) = -A_m⁻¹ B Ω(0)": runs[GYRO_FREE].until(10.0), "z(0) = 0": runs[FROM_ZERO].until(10.0)}
     return [
-        vector_panel(RATE, "ω [rad/s]", shown, "Fig. 4.1a  Angular velocity", GROUP),
-        panel(ANGLE, shown, "Fig. 4.1b  Rotation angle of the error", GROUP),
-        panel(
-            TORQUE,
-            shown,
-            "Fig. 4.2a  Norm of the control torque",
-            GROUP,
-            guides=[Guide(LARGEST_TORQUE, "printed limit")],
-        ),
-        vector_panel("z", "z", {"": shown[GYRO_FREE]}, "Fig. 4.2b  Filter state z", GROUP),
-        panel(ANGLE, pair, "Rotation angle, logarithmic", GROUP, log=True, guides=by),
-        panel(TORQUE, starts, "Torque, filter started at rest and at zero", GROUP, log=True),
+        component_panel(RATE, shown, "Fig. 4.1a  Angular velocity"),
+        norm_panel(ANGLE, shown, "Fig. 4.1b  Rotation angle of the error", log=False),
+        norm_panel(TORQUE, shown, "Fig. 4.2a  Norm of the control torque", log=False, guides=[limit]),
+        component_panel(FILTER, {"": shown[GYRO_FREE]}, "Fig. 4.2b  Filter state z"),
+        norm_panel(ANGLE, pair, "Rotation angle, logarithmic", guides=[by]),
+        norm_panel(TORQUE, starts, "Torque, filter started at rest and at zero"),
     ]

@@ -8,9 +8,6 @@ from adcs.library.thakur.catalogue import SYSTEMS
 from adcs.library.thakur.gyro_free.settings import DIRECTIONS, FILTER, INERTIA, K_P, K_W, K_Z, Q_RN, WEIGHTS, Start
 from orchestration.system import System
 
-RECORD = ("plant.q_BN", "plant.omega_BN_B", "controller.torque_B", "controller.Omega_B")
-RECORD_GYRO_FREE = (*RECORD, "controller.z", "controller.zDot")
-
 
 def gyro_free(
     start: Start | None = None,

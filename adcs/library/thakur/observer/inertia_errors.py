@@ -2,92 +2,65 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from adcs.library import attitude
-from adcs.library.outcome import Outcome, Row, Runner, Verdict, claims_table, verdict
+from adcs.library.outcome import Claim, Shown
+from adcs.library.sections import Section, Simulation
 from adcs.library.thakur.choices import Choices, Matrix
 from adcs.library.thakur.observer.settings import INERTIA, INERTIA_ERRORS
-from adcs.library.thakur.observer.signals import (
-    ATTITUDE_ESTIMATE,
-    RATE_ESTIMATE,
-    SYMBOLS,
-    Signals,
-    component_panel,
-    norm_panel,
-)
+from adcs.library.thakur.observer.signals import ESTIMATION, RATE_ESTIMATE, estimation
 from adcs.library.thakur.observer.systems import observer_inertia_error
+from adcs.library.thakur.observer.views import error_numbers, error_panels
+from adcs.library.trajectory import Runs, norm_panel
 from orchestration.results.plots import Panel
 from orchestration.results.report import KeyNumber, Table
 from orchestration.results.result import Result
 from orchestration.running.method import ModelExchange
-from orchestration.running.save import Save
 
-GROUP = "5.4.4  Inertia errors"
+WHERE = "Sec. 5.4.4"
 EXACT, FIRST, SECOND = "exact J", "J + ΔJ₁", "J + ΔJ₂"
 NO_ERROR: Matrix = ((0.0,) * 3,) * 3
 ERRORS = {EXACT: NO_ERROR, FIRST: INERTIA_ERRORS[0], SECOND: INERTIA_ERRORS[1]}
 PRINTED_NORMS = {FIRST: 0.1, SECOND: 0.3}  # of the error over that of J
 SIMILAR = 1.2  # times of convergence are similar within this factor
-RECORD = ("plant.q_BN", "plant.omega_BN_B", "observer.q_EN", "observer.omega_EN_E")
-NAMES = (ATTITUDE_ESTIMATE, RATE_ESTIMATE)
 STEP = 0.1  # s
-RUNS = len(ERRORS)
-
-Runs = Mapping[str, Signals]
-
-
-def estimation(result: Result) -> Signals:
-    """The estimation errors of a run of `observer-inertia-error`."""
-    q_BE = attitude.relative_quaternion(result["plant.q_BN"], result["observer.q_EN"])
-    rate = attitude.rate_error(result["plant.omega_BN_B"], q_BE, result["observer.omega_EN_E"])
-    return Signals(result.time, {ATTITUDE_ESTIMATE: q_BE[:, 1:], RATE_ESTIMATE: rate})
 
 
 def figures(result: Result) -> list[Panel]:
     """Show one run."""
-    run = {"": estimation(result)}
-    return [
-        draw
-        for name in NAMES
-        for draw in (
-            component_panel(name, run, group="Estimation"),
-            norm_panel(name, run, f"Norm of the {name}", "Estimation"),
-        )
-    ]
+    run = estimation(result)
+    return [panel for error in ESTIMATION for panel in error_panels(error, run)]
 
 
 def key_numbers(result: Result) -> list[KeyNumber]:
     """Say when each error has converged, and where it ends."""
-    run, part = estimation(result), Choices().settled
-    numbers = []
-    for name in NAMES:
-        title, unit = name.capitalize(), SYMBOLS[name][1].strip(" []")
-        time = run.settling_time(name, part)
-        numbers.append(KeyNumber(f"{title} converged", time, "s", f"stays below {part:.0%} of its peak"))
-        numbers.append(KeyNumber(f"{title} at the end", float(run.norm(name)[-1]), unit, f"at {run.time[-1]:g} s"))
-    return numbers
+    run = estimation(result)
+    return [number for error in ESTIMATION for number in error_numbers(error, run)]
 
 
-def inertia_errors(run: Runner, choices: Choices) -> Outcome:
+def inertia_errors(choices: Choices) -> Section:
     """The observer with J, J + delta J_1 and J + delta J_2: norms, transients, residual sets."""
-    settings = {"stop_time": choices.stop_time, "step": STEP, "method": ModelExchange(), "save": Save(RECORD)}
-    runs = {
-        label: estimation(run(f"observer at zero torque, {label}", observer_inertia_error(error), **settings))
-        for label, error in ERRORS.items()
-    }
-    rows = [*_norms(), _magnitude(), *_moments(), *_transients(runs, choices), *_residuals(runs, choices)]
-    tables = [claims_table(rows, "The statements of Sec. 5.4.4", GROUP), _table(runs, choices)]
-    panels = [norm_panel(name, runs, f"Fig. 5.8  {name.capitalize()}", GROUP, note="at zero torque") for name in NAMES]
-    worst = max(runs[label].since(choices.steady_from).peak(RATE_ESTIMATE) for label in (FIRST, SECOND))
-    number = KeyNumber("Rate estimate with a wrong inertia", worst, "rad/s", "largest error in steady state")
-    return Outcome(rows, panels, tables, [number])
+    runs = {}
+    for name, error in ERRORS.items():
+        label, system = f"observer at zero torque, {name}", observer_inertia_error(error)
+        runs[name] = Simulation(label, system, estimation, choices.stop_time, STEP, ModelExchange())
 
+    def show(found: Runs) -> Iterator[Shown]:
+        for what in ESTIMATION:
+            yield norm_panel(what, found, f"Fig. 5.8  {what.title}", note="at zero torque")
+        worst = max(found[name].after(choices.steady_from).peak(RATE_ESTIMATE) for name in (FIRST, SECOND))
+        note = "largest error in steady state"
+        yield KeyNumber("Rate estimate with a wrong inertia", worst, "rad/s", note)
+        yield from _norms()
+        yield _magnitude()
+        yield from _moments()
+        yield from _transients(found, choices)
+        yield from _residuals(found, choices)
+        yield _table(found, choices)
 
-def _row(cell: str, settings: str, printed: str, ours: float | str, result: Verdict, note: str) -> Row:
-    return Row("thakur", "Sec. 5.4.4", cell, settings, printed, ours, None, result, note)
+    return Section("5.4.4  Inertia errors", "The statements of Sec. 5.4.4", show, runs)
 
 
 def _ratio(error: Matrix, order: int | str | None) -> float:
@@ -98,102 +71,75 @@ def _moments_of(label: str) -> list[float]:
     return [float(x) for x in np.linalg.eigvalsh(np.asarray(INERTIA) + np.asarray(ERRORS[label]))]
 
 
-def _norms() -> list[Row]:
-    rows = []
+def _norms() -> Iterator[Claim]:
     for label, printed in PRINTED_NORMS.items():
-        ours = _ratio(ERRORS[label], 2)
-        others = f"Frobenius {_ratio(ERRORS[label], 'fro'):.3g}, largest column sum {_ratio(ERRORS[label], 1):.3g}"
-        note = f"spectral norm; {others}; judged by the one digit given"
-        cell = f"norm of {label[4:]} over that of J"
-        result = verdict(round(ours, 1) == printed)
-        rows.append(Row("thakur", "Eq. (5.63)", cell, "", f"≈ {printed}", ours, ours / printed - 1, result, note))
-    return rows
+        ours, frobenius, columns = (_ratio(ERRORS[label], order) for order in (2, "fro", 1))
+        yield Claim("Eq. (5.63)", f"norm of {label[4:]} over that of J", "",
+                    f"≈ {printed}", ours, round(ours, 1) == printed,
+                    f"spectral norm; Frobenius {frobenius:.3g}, largest column sum {columns:.3g}; "
+                    "judged by the one digit given", ours / printed - 1)  # fmt: skip
 
 
-def _magnitude() -> Row:
+def _magnitude() -> Claim:
     first, second = (_ratio(ERRORS[label], 2) for label in (FIRST, SECOND))
-    return _row(
-        "which error is larger and makes the principal moments smaller",
-        "",
-        "ΔJ₁",
-        "ΔJ₂",
-        "wrong in print",
-        f"‖ΔJ₁‖/‖J‖ = {first:.3g}, ‖ΔJ₂‖/‖J‖ = {second:.3g}, in the order that Eq. (5.63) itself gives (0.1 and 0.3), "
-        "and the moments are in the rows below: the prose swaps the two labels, and is judged here with them put right",
-    )
+    return Claim(WHERE, "which error is larger and makes the principal moments smaller", "", "ΔJ₁", "ΔJ₂", None,
+                 f"‖ΔJ₁‖/‖J‖ = {first:.3g}, ‖ΔJ₂‖/‖J‖ = {second:.3g}, in the order that Eq. (5.63) itself gives (0.1 "
+                 "and 0.3), and the moments are in the rows below: the prose swaps the two labels, and is judged here "
+                 "with them put right")  # fmt: skip
 
 
-def _moments() -> list[Row]:
+def _moments() -> Iterator[Claim]:
     true = _moments_of(EXACT)
-    rows = []
     for label, printed, sign in ((SECOND, "smaller", -1), (FIRST, "slightly larger", 1)):
         ours = _moments_of(label)
         holding = sum(sign * (a - b) > 0 for a, b in zip(ours, true, strict=True))
         trace = sum(ours) / sum(true)
-        note = f"{_list(ours)} against {_list(true)} kg·m²; {holding} of 3 are {printed.split()[-1]}, "
-        note += f"their sum {trace:.3g} times as large" + ("" if holding == 3 else ": holds for the sum")
-        rows.append(
-            _row(
-                "principal moments against the true ones, sum",
-                label,
-                printed,
-                trace,
-                verdict(sign * (trace - 1) > 0),
-                note,
-            )
-        )
-    return rows
+        yield Claim(WHERE, "principal moments against the true ones, sum", label,
+                    printed, trace, sign * (trace - 1) > 0,
+                    f"{_list(ours)} against {_list(true)} kg·m²; {holding} of 3 are {printed.split()[-1]}, their sum "
+                    f"{trace:.3g} times as large{'' if holding == 3 else ': holds for the sum'}")  # fmt: skip
 
 
-def _transients(runs: Runs, choices: Choices) -> list[Row]:
-    rows = []
-    for name in NAMES:
-        exact = runs[EXACT].settling_time(name, choices.settled)
+def _transients(runs: Runs, choices: Choices) -> Iterator[Claim]:
+    for error in ESTIMATION:
+        exact = runs[EXACT].settled(error, choices.settled)
         for label, printed in ((SECOND, "appears to converge faster at first"), (FIRST, "similar transient")):
-            time = runs[label].settling_time(name, choices.settled)
-            holds = time < exact if label == SECOND else 1 / SIMILAR <= time / exact <= SIMILAR
-            areas = runs[label].area(name) / runs[EXACT].area(name)
-            note = f"{exact:.4g} s with the exact inertia; ratio of the integrals of the norm {areas:.3g}"
-            note += "" if label == SECOND else f"; similar: within a factor of {SIMILAR:g}"
-            rows.append(_row(f"{name} converges [s]", label, printed, time, verdict(holds), note))
-    return rows
+            time = runs[label].settled(error, choices.settled)
+            areas = runs[label].area(error) / runs[EXACT].area(error)
+            similar = "" if label == SECOND else f"; similar: within a factor of {SIMILAR:g}"
+            yield Claim(WHERE, f"{error} converges [s]", label,
+                        printed, time, time < exact if label == SECOND else 1 / SIMILAR <= time / exact <= SIMILAR,
+                        f"{exact:.4g} s with the exact inertia; "
+                        f"ratio of the integrals of the norm {areas:.3g}{similar}")  # fmt: skip
 
 
-def _residuals(runs: Runs, choices: Choices) -> list[Row]:
-    rows = []
-    for name in NAMES:
-        exact = runs[EXACT].since(choices.steady_from).peak(name)
+def _residuals(runs: Runs, choices: Choices) -> Iterator[Claim]:
+    for error in ESTIMATION:
+        ends = {label: run.after(choices.steady_from).peak(error) for label, run in runs.items()}
         for label in (FIRST, SECOND):
-            ours = runs[label].since(choices.steady_from).peak(name)
-            rows.append(
-                _row(
-                    f"{name} in steady state{SYMBOLS[name][1]}",
-                    label,
-                    "bounded, not zero",
-                    ours,
-                    verdict(1e3 * exact < ours <= choices.settled * runs[label].peak(name)),
-                    f"largest after {choices.steady_from:g} s; {exact:.1g} with the exact inertia, still falling",
-                )
-            )
-    return rows
+            ours, small = ends[label], choices.settled * runs[label].peak(error)
+            yield Claim(WHERE, f"{error} in steady state{error.in_unit}", label,
+                        "bounded, not zero", ours, 1e3 * ends[EXACT] < ours <= small,
+                        f"largest after {choices.steady_from:g} s; "
+                        f"{ends[EXACT]:.1g} with the exact inertia, still falling")  # fmt: skip
 
 
 def _table(runs: Runs, choices: Choices) -> Table:
     rows = []
     for label, run in runs.items():
-        end = run.since(choices.steady_from)
-        times = [run.settling_time(name, choices.settled) for name in NAMES]
-        values = [value for name in NAMES for value in (run.peak(name), end.peak(name))]
+        end = run.after(choices.steady_from)
+        times = [run.settled(error, choices.settled) for error in ESTIMATION]
+        values = [value for error in ESTIMATION for value in (run.peak(error), end.peak(error))]
         rows.append([label, _list(_moments_of(label)), *times, *values])
-    columns = ["assumed inertia", "principal moments [kg·m²]", *(f"{name} converged [s]" for name in NAMES)]
-    columns += [f"{name}, {what}" for name in NAMES for what in ("peak", "steady state")]
+    columns = ["assumed inertia", "principal moments [kg·m²]", *(f"{error} converged [s]" for error in ESTIMATION)]
+    columns += [f"{error}, {what}" for error in ESTIMATION for what in ("peak", "steady state")]
     note = (
         f"Converged: below {choices.settled:.0%} of the peak. Steady state: largest value from "
         f"{choices.steady_from:g} to {choices.stop_time:g} s. The body turns freely at about 0.01 rad/s, which is why "
         "the errors that a wrong inertia leaves are small."
     )
-    return Table("The observer with wrong inertias", columns, rows, note, GROUP)
+    return Table("The observer with wrong inertias", columns, rows, note)
 
 
-def _list(values: list[float]) -> str:
+def _list(values: Sequence[float]) -> str:
     return ", ".join(f"{value:.4g}" for value in values)

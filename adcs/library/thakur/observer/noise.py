@@ -1,145 +1,113 @@
-"""Sec. 5.4.2: the eigenaxis of the measured attitude errs within a cone of 0.05 and of 0.5 deg."""
+"""Sec. 5.4.2: the eigenaxis of the measured attitude errs within a cone of 0.05 and of 0.5 deg; Figs. 5.3 and 5.4."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from math import log10, radians
 
-import numpy as np
-
-from adcs.library.attitude import rms
-from adcs.library.outcome import Outcome, Row, Runner, claims_table, verdict
+from adcs.library.outcome import Claim, Shown
+from adcs.library.sections import Section, Simulation
 from adcs.library.thakur.choices import ALMOST_AN_ORDER, NO_WORSE, Choices
-from adcs.library.thakur.observer.noise_free import FULL_STATE, OBSERVER
+from adcs.library.thakur.observer.noise_free import BOTH, FULL_STATE, OBSERVER
 from adcs.library.thakur.observer.signals import (
     ATTITUDE,
     ATTITUDE_ESTIMATE,
     ERRORS,
-    RATE,
     RATE_ESTIMATE,
     TORQUE,
-    Signals,
-    norm_panel,
+    TRACKING,
     signals,
 )
-from adcs.library.thakur.observer.systems import RECORD, RECORD_OBSERVER, full_state_pd, observer_pd
-from adcs.library.thakur.sequences import spread
+from adcs.library.thakur.observer.systems import full_state_pd, observer_pd
+from adcs.library.thakur.sequences import Steady, spread_of, steady
+from adcs.library.trajectory import Trajectory, norm_panel
 from orchestration.results.plots import Panel
 from orchestration.results.report import KeyNumber, Table
 from orchestration.running.method import ModelExchange
-from orchestration.running.save import Save
 from orchestration.system import System
 
-GROUP = "5.4.2  Quaternion with noise"
+WHERE = "Sec. 5.4.2"
 SMALL, LARGE = 0.05, 0.5  # deg, half-angles of the cone
 OTHER_PERIODS = (0.5, 2.0)  # s, to see what our choice of the redraw period does
 # Coupled, with an event at each draw: exchanging the torque even every millisecond would leave an error not far below
 # that of the small cone. Noise makes more digits than these meaningless.
-COUPLED = {"method": ModelExchange(rtol=1e-7, atol=1e-9)}
+COUPLED = ModelExchange(rtol=1e-7, atol=1e-9)
 OUTPUT_STEP = 0.1  # s
-CONTROLS: dict[str, tuple[Callable[..., System], tuple[str, ...]]] = {
-    OBSERVER: (observer_pd, RECORD_OBSERVER),
-    FULL_STATE: (full_state_pd, RECORD),
-}
+CONTROLS: dict[str, Callable[..., System]] = {OBSERVER: observer_pd, FULL_STATE: full_state_pd}
 
 Key = tuple[str, float]  # control, half-angle in deg
-Steady = dict[str, float]  # error -> root mean square of its norm in steady state
+Draws = Mapping[Key, list[Trajectory]]
+"""A run for each noise sequence; the same sequences for both controls."""
 
 
-def run_count(choices: Choices) -> int:
-    """How many runs `noisy` makes."""
-    return len(CONTROLS) * (2 + len(OTHER_PERIODS)) * choices.draws
+def drawn(control: str, angle: float, period: float, seed: int, choices: Choices) -> Simulation:
+    """The run with one noise sequence."""
+    label = f"{control}, {angle:g} deg, redrawn every {period:g} s, seed {seed}"
+    system = CONTROLS[control](half_angle=radians(angle), redraw_period=period, seed=seed)
+    return Simulation(label, system, signals, choices.stop_time, OUTPUT_STEP, COUPLED)
 
 
-def noisy(run: Runner, choices: Choices) -> Outcome:
-    """Steady-state errors with noise, both controls, both cones; Figs. 5.3 and 5.4."""
+def noisy(choices: Choices) -> Section:
+    """Steady-state errors with noise, both controls, both cones."""
+    period, seeds = choices.redraw_period, range(choices.seed, choices.seed + choices.draws)
+    noises = [(angle, period) for angle in (SMALL, LARGE)] + [(SMALL, other) for other in OTHER_PERIODS]
     runs = {
-        (control, angle): _draws(run, control, angle, choices.redraw_period, choices)
-        for angle in (SMALL, LARGE)
+        (control, angle, redrawn, seed): drawn(control, angle, redrawn, seed, choices)
+        for angle, redrawn in noises
         for control in CONTROLS
+        for seed in seeds
     }
-    steady = {key: steady_values(value, choices) for key, value in runs.items()}
-    periods = {choices.redraw_period: {control: steady[control, SMALL] for control in CONTROLS}}
-    for period in OTHER_PERIODS:
-        periods[period] = {c: steady_values(_draws(run, c, SMALL, period, choices), choices) for c in CONTROLS}
-    rows = [*_bounded(runs, steady, choices), *_slightly_better(runs, steady, choices), *_angles(steady)]
-    numbers = [
-        KeyNumber(
-            "Errors at 0.5 deg / 0.05 deg",
-            steady[OBSERVER, LARGE][ATTITUDE] / steady[OBSERVER, SMALL][ATTITUDE],
-            "",
-            "observer, attitude; printed: almost an order of magnitude",
-        ),
-        KeyNumber(
-            "Observer / full state, 0.05 deg",
-            steady[OBSERVER, SMALL][ATTITUDE] / steady[FULL_STATE, SMALL][ATTITUDE],
-            "",
-            "attitude; printed: full state marginally smaller",
-        ),
-    ]
-    tables = [
-        claims_table(rows, "The statements of Sec. 5.4.2", GROUP),
-        _steady_table(steady, choices),
-        _period_table(dict(sorted(periods.items()))),
-    ]
-    return Outcome(rows, _panels(runs), tables, numbers)
+
+    def show(found: Mapping[tuple[str, float, float, int], Trajectory]) -> Iterable[Shown]:
+        def sequences(control: str, angle: float, redrawn: float) -> list[Trajectory]:
+            return [found[control, angle, redrawn, seed] for seed in seeds]
+
+        draws = {(c, angle): sequences(c, angle, period) for angle in (SMALL, LARGE) for c in CONTROLS}
+        periods = {
+            redrawn: {c: steady(sequences(c, SMALL, redrawn), choices.steady_from) for c in CONTROLS}
+            for redrawn in sorted({period, *OTHER_PERIODS})
+        }
+        return _show(draws, periods, choices)
+
+    return Section("5.4.2  Quaternion with noise", "The statements of Sec. 5.4.2", show, runs)
 
 
-def steady_values(runs: Sequence[Signals], choices: Choices) -> Steady:
-    """Root mean square, over time in steady state and over the runs, of the norm of each error."""
-    ends = [run.since(choices.steady_from) for run in runs]
-    return {name: rms(np.concatenate([end.norm(name) for end in ends])) for name in ERRORS if name in ends[0].vectors}
+def _show(runs: Draws, periods: Mapping[float, Mapping[str, Steady]], choices: Choices) -> Iterator[Shown]:
+    level = {key: steady(value, choices.steady_from) for key, value in runs.items()}
+    observer, full = level[OBSERVER, SMALL][ATTITUDE], level[FULL_STATE, SMALL][ATTITUDE]
+    growth, note = (
+        level[OBSERVER, LARGE][ATTITUDE] / observer,
+        "observer, attitude; printed: almost an order of magnitude",
+    )
+    yield from _bounded(runs, level, choices)
+    yield from _slightly_better(runs, level, choices)
+    yield from _angles(level)
+    yield from _panels(runs)
+    yield _steady_table(level, choices)
+    yield _period_table(periods)
+    yield KeyNumber("Errors at 0.5 deg / 0.05 deg", growth, "", note)
+    yield KeyNumber(
+        "Observer / full state, 0.05 deg", observer / full, "", "attitude; printed: full state marginally smaller"
+    )
 
 
-def _draws(run: Runner, control: str, angle: float, period: float, choices: Choices) -> list[Signals]:
-    """One run for each noise sequence; the same sequences for both controls."""
-    build, record = CONTROLS[control]
-    return [
-        signals(
-            run(
-                f"{control}, {angle:g} deg, redrawn every {period:g} s, seed {seed}",
-                build(half_angle=radians(angle), redraw_period=period, seed=seed),
-                stop_time=choices.stop_time,
-                step=OUTPUT_STEP,
-                save=Save(record),
-                **COUPLED,
-            )
-        )
-        for seed in range(choices.seed, choices.seed + choices.draws)
-    ]
-
-
-def _row(cell: str, settings: str, printed: str, ours: float | str | None, holds: bool, note: str = "") -> Row:
-    return Row("thakur", "Sec. 5.4.2", cell, settings, printed, ours, None, verdict(holds), note)
-
-
-def _bounded(runs: dict[Key, list[Signals]], steady: dict[Key, Steady], choices: Choices) -> list[Row]:
-    rows = []
+def _bounded(runs: Draws, level: Mapping[Key, Steady], choices: Choices) -> Iterator[Claim]:
     for (control, angle), draws in runs.items():
-        for name in (ATTITUDE, ATTITUDE_ESTIMATE):
-            if name in steady[control, angle]:
-                largest = max(run.since(choices.steady_from).peak(name) for run in draws)
-                whole = max(run.peak(name) for run in draws)
-                rows.append(
-                    _row(
-                        f"steady-state {name}: bounded, not zero (rms)",
-                        f"{control}, {angle:g} deg",
-                        "non-zero steady-state value",
-                        steady[control, angle][name],
-                        0 < largest < whole,
-                        f"never above {largest:.2g} after {choices.steady_from:g} s; peak of the run {whole:.2g}",
-                    )
-                )
-    return rows
+        for error in (ATTITUDE, ATTITUDE_ESTIMATE):
+            if error in level[control, angle]:
+                largest = max(run.after(choices.steady_from).peak(error) for run in draws)
+                whole = max(run.peak(error) for run in draws)
+                yield Claim(WHERE, f"steady-state {error}: bounded, not zero (rms)", f"{control}, {angle:g} deg",
+                            "non-zero steady-state value", level[control, angle][error], 0 < largest < whole,
+                            f"never above {largest:.2g} after {choices.steady_from:g} s; "
+                            f"peak of the run {whole:.2g}")  # fmt: skip
 
 
-def _slightly_better(runs: dict[Key, list[Signals]], steady: dict[Key, Steady], choices: Choices) -> list[Row]:
-    rows = []
+def _slightly_better(runs: Draws, level: Mapping[Key, Steady], choices: Choices) -> Iterator[Claim]:
     for angle in (SMALL, LARGE):
-        for name in (ATTITUDE, RATE):
-            ratio = steady[OBSERVER, angle][name] / steady[FULL_STATE, angle][name]
-            pair = ([steady_values([r], choices)[name] for r in runs[c, angle]] for c in (OBSERVER, FULL_STATE))
-            ratios = spread(*pair)
+        for error in TRACKING:
+            ratio = level[OBSERVER, angle][error] / level[FULL_STATE, angle][error]
+            ratios = spread_of(error, runs[OBSERVER, angle], runs[FULL_STATE, angle], choices.steady_from)
             judged = f"judged at a factor of {choices.marginal:g}"
             if ratio <= 1:
                 note = f"full state is not better; {ratios}"
@@ -147,90 +115,62 @@ def _slightly_better(runs: dict[Key, list[Signals]], steady: dict[Key, Steady], 
                 note = f"{ratios}; {judged}"
             else:
                 note = f"full state is better, by more than slightly: {ratios}; {judged}"
-            rows.append(
-                _row(
-                    f"steady-state {name}, observer / full state",
-                    f"{angle:g} deg",
-                    "full state only slightly better (> 1)",
-                    ratio,
-                    1 < ratio <= choices.marginal,
-                    note,
-                )
-            )
-    return rows
+            yield Claim(WHERE, f"steady-state {error}, {BOTH}", f"{angle:g} deg",
+                        "full state only slightly better (> 1)", ratio, 1 < ratio <= choices.marginal,
+                        note)  # fmt: skip
 
 
-def _angles(steady: dict[Key, Steady]) -> list[Row]:
+def _angles(level: Mapping[Key, Steady]) -> Iterator[Claim]:
     growth = {
-        (control, name): steady[control, LARGE][name] / value
+        (control, error): level[control, LARGE][error] / level[control, SMALL][error]
         for control in CONTROLS
-        for name, value in steady[control, SMALL].items()
+        for error in ERRORS
+        if error in level[control, SMALL]
     }
     low, high = ALMOST_AN_ORDER
-    rows = [
-        _row(
-            f"steady-state {name}, 0.5 deg / 0.05 deg",
-            control,
-            "almost a full order of magnitude",
-            ratio,
-            low <= log10(ratio) <= high,
-            f"judged at {10**low:.2g} to {10**high:.2g}",
-        )
-        for (control, name), ratio in growth.items()
-    ]
-    for name in (ATTITUDE, RATE):
-        ratio = growth[OBSERVER, name] / growth[FULL_STATE, name]
-        rows.append(
-            _row(
-                f"growth of the {name} with the cone, observer / full state",
-                "0.05 to 0.5 deg",
-                "observer not affected worse",
-                ratio,
-                ratio <= NO_WORSE,
-                f"judged at a factor of {NO_WORSE:g}",
-            )
-        )
-    return rows
+    for (control, error), ratio in growth.items():
+        yield Claim(WHERE, f"steady-state {error}, 0.5 deg / 0.05 deg", control,
+                    "almost a full order of magnitude", ratio, low <= log10(ratio) <= high,
+                    f"judged at {10**low:.2g} to {10**high:.2g}")  # fmt: skip
+    for error in TRACKING:
+        ratio = growth[OBSERVER, error] / growth[FULL_STATE, error]
+        yield Claim(WHERE, f"growth of the {error} with the cone, {BOTH}", "0.05 to 0.5 deg",
+                    "observer not affected worse", ratio, ratio <= NO_WORSE,
+                    f"judged at a factor of {NO_WORSE:g}")  # fmt: skip
 
 
-def _steady_table(steady: dict[Key, Steady], choices: Choices) -> Table:
-    rows = [[control, angle, *(values.get(name) for name in ERRORS)] for (control, angle), values in steady.items()]
+def _steady_table(level: Mapping[Key, Steady], choices: Choices) -> Table:
+    rows = [[control, angle, *(values.get(error) for error in ERRORS)] for (control, angle), values in level.items()]
     note = (
         f"Root mean square of the norms from {choices.steady_from:g} to {choices.stop_time:g} s over {choices.draws} "
         f"noise sequences (seeds from {choices.seed}, the same for both controls), each draw held for "
         f"{choices.redraw_period:g} s. Errors are those of the true attitude and rate."
     )
-    return Table("Steady-state errors", ["control", "cone half-angle [deg]", *ERRORS], rows, note, GROUP)
+    columns = ["control", "cone half-angle [deg]", *(error.name for error in ERRORS)]
+    return Table("Steady-state errors", columns, rows, note)
 
 
-def _period_table(periods: dict[float, dict[str, Steady]]) -> Table:
+def _period_table(periods: Mapping[float, Mapping[str, Steady]]) -> Table:
     rows = []
     for period, values in periods.items():
-        ratios = [values[OBSERVER][name] / values[FULL_STATE][name] for name in (ATTITUDE, RATE)]
-        errors = [values[control][name] for control in CONTROLS for name in (ATTITUDE, RATE)]
-        rows.append([period, *errors, *ratios])
-    columns = [
-        "redraw period [s]",
-        *(f"{error}, {control}" for control in CONTROLS for error in ("attitude", "rate")),
-        "attitude, observer / full state",
-        "rate, observer / full state",
-    ]
+        ratios = [values[OBSERVER][error] / values[FULL_STATE][error] for error in TRACKING]
+        rows.append([period, *(values[control][error] for control in CONTROLS for error in TRACKING), *ratios])
+    columns = ["redraw period [s]", *(f"{error}, {c}" for c in CONTROLS for error in ("attitude", "rate"))]
+    columns += [f"attitude, {BOTH}", f"rate, {BOTH}"]
     note = (
         "The text does not say how long a draw is held. The period sets how large the errors are, since faster noise "
         "is averaged away; the last two columns show what it does to the comparison of the two controls."
     )
-    return Table(f"Other redraw periods, {SMALL:g} deg", columns, rows, note, GROUP)
+    return Table(f"Other redraw periods, {SMALL:g} deg", columns, rows, note)
 
 
-def _panels(runs: dict[Key, list[Signals]]) -> list[Panel]:
+def _panels(runs: Draws) -> list[Panel]:
     """The first noise sequence."""
     small = {control: runs[control, SMALL][0] for control in CONTROLS}
     both = {f"{angle:g} deg": runs[OBSERVER, angle][0] for angle in (SMALL, LARGE)}
-    return [
-        norm_panel(ATTITUDE, small, "Fig. 5.3  Attitude tracking error, 0.05 deg", GROUP),
-        norm_panel(RATE, small, "Fig. 5.3  Rate tracking error, 0.05 deg", GROUP),
-        norm_panel(ATTITUDE_ESTIMATE, small, "Fig. 5.4  Attitude estimation error, 0.05 deg", GROUP),
-        norm_panel(RATE_ESTIMATE, small, "Fig. 5.4  Rate estimation error, 0.05 deg", GROUP),
-        norm_panel(TORQUE, small, "Fig. 5.4  Control torque, 0.05 deg", GROUP, log=False),
-        norm_panel(ATTITUDE, both, "Attitude tracking error, observer, both cones", GROUP),
+    figures = {**dict.fromkeys(TRACKING, "5.3"), **dict.fromkeys((ATTITUDE_ESTIMATE, RATE_ESTIMATE, TORQUE), "5.4")}
+    panels = [
+        norm_panel(what, small, f"Fig. {figure}  {what.title}, 0.05 deg", log=what is not TORQUE)
+        for what, figure in figures.items()
     ]
+    return [*panels, norm_panel(ATTITUDE, both, "Attitude tracking error, observer, both cones")]

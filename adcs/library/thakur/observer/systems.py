@@ -8,17 +8,6 @@ from adcs.library.thakur.gyro_free.settings import DIRECTIONS, WEIGHTS
 from adcs.library.thakur.observer.settings import GUIDANCE, INERTIA, INERTIA_ERRORS, OBSERVER_GAINS, PD_GAINS, Start
 from orchestration.system import System
 
-RECORD = (
-    "guidance.q_RN",
-    "guidance.omega_RN_R",
-    "plant.q_BN",
-    "plant.omega_BN_B",
-    "controller.torque_B",
-    "controller.q_BR",
-    "controller.omega_BR_B",
-)
-RECORD_OBSERVER = (*RECORD, "observer.q_EN", "observer.omega_EN_E")
-
 
 def full_state_pd(
     start: Start | None = None, *, half_angle: float = 0.0, redraw_period: float = 0.1, seed: int = 1

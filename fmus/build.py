@@ -14,6 +14,7 @@ from fmus.amalgamation import amalgamated
 from fmus.carried import carried_description
 from fmus.catalog import Component
 from fmus.describe import Description, Misdeclared, described, parse
+from fmus.eigen import UNUSED
 from fmus.errors import AdcsError
 from fmus.files import digest, make_folder, write_atomically
 from fmus.lock import Lock
@@ -276,10 +277,11 @@ class _Plan:
             for file in files
             if file.is_relative_to(root) and file.is_file()
         }
+        without = frozenset() if self.component.outside else UNUSED
         return {
             self._model.name: self._model.read_bytes(),
             **own,
-            **amalgamated([file for file in files if file.is_relative_to(EIGEN)], EIGEN),
+            **amalgamated([file for file in files if file.is_relative_to(EIGEN)], EIGEN, without),
         }
 
     def _made_of(self) -> dict[str, str]:

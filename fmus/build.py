@@ -22,7 +22,10 @@ from fmus.mistakes import from_compiler, from_declaration, truncated
 from fmus.pack import FILE_NAMES, Parts, is_own, licences, pack
 from fmus.paths import BUILD, DIST, EIGEN, FMI_HEADERS, SOURCES
 from fmus.toolchain import (
+    INLINED,
+    SMALL,
     TARGETS,
+    UNOPTIMISED,
     NotCompiled,
     Step,
     Target,
@@ -198,7 +201,7 @@ class _Plan:
         }
         # not optimised, which takes longer than the program runs
         machine = host()
-        header = self._header("describe", machine, *DESCRIBE_FLAGS, optimised=False)
+        header = self._header("describe", machine, *DESCRIBE_FLAGS, level=UNOPTIMISED)
         describe = [
             compile_step(
                 self._model,
@@ -207,14 +210,14 @@ class _Plan:
                 *DESCRIBE_FLAGS,
                 *self._include,
                 header=header,
-                optimised=False,
+                level=UNOPTIMISED,
             ),
             compile_step(
                 SOURCES / "fmi" / "describe.cpp",
                 self._object("describe", machine),
                 machine,
                 *DESCRIBE_FLAGS,
-                optimised=False,
+                level=UNOPTIMISED,
             ),
             self._compile_adaptor("runtime", machine),
         ]
@@ -303,11 +306,11 @@ class _Plan:
         return inside | {str(file): digest(file) for file in outside}
 
     def _compile_adaptor(self, name: str, target: Target) -> Step:
-        return compile_step(SOURCES / "fmi" / f"{name}.cpp", self._object(name, target), target)
+        return compile_step(SOURCES / "fmi" / f"{name}.cpp", self._object(name, target), target, level=SMALL)
 
-    def _header(self, name: str, target: Target, *flags: str, optimised: bool = True) -> Step:
+    def _header(self, name: str, target: Target, *flags: str, level: Sequence[str] = INLINED) -> Step:
         output = self._object(name, target).with_suffix(".pch")
-        return header_step(SOURCES / "fmi" / "export.hpp", output, target, *flags, optimised=optimised)
+        return header_step(SOURCES / "fmi" / "export.hpp", output, target, *flags, level=level)
 
     def _object(self, name: str, target: Target, work: Path | None = None) -> Path:
         return (work or self._work) / "objects" / target.name / f"{name}.o"

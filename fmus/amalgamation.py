@@ -30,16 +30,18 @@ _INCLUDE = re.compile(r'^#[ ]?include[ ]?"([^"\n]+)".*\n', re.MULTILINE)
 _GUARD = re.compile(r"(?:(?://.*|/\*(?s:.*?)\*/)\s*)*#[ ]?ifndef (\w+)\n#[ ]?define \1\b")  # after a notice
 
 
-def amalgamated(files: Collection[Path], base: Path) -> dict[str, bytes]:
+def amalgamated(files: Collection[Path], base: Path, without: frozenset[Path] = frozenset()) -> dict[str, bytes]:
     """Return what to write instead of these headers, by paths relative to `base`.
 
-    Those in folders called `src` go into the files that include them, but for the few that include themselves.
+    Those in folders called `src` go into the files that include them, but for the few that include themselves; those
+    of `without` go nowhere.
     """
-    everything = frozenset(files)
-    includes = {file: {_named(file, include) for include in _INCLUDE.finditer(_stripped(file))} for file in files}
+    everything = frozenset(files) - without
+    includes = {file: {_named(file, include) for include in _INCLUDE.finditer(_stripped(file))} for file in everything}
     included = {other for file, others in includes.items() for other in others - {file}}
     parts = frozenset(f for f in included & everything if "src" in f.relative_to(base).parts and f not in includes[f])
-    return {file.relative_to(base).as_posix(): _alone(file, parts, everything) for file in sorted(everything - parts)}
+    whole = sorted(everything - parts)
+    return {file.relative_to(base).as_posix(): _alone(file, parts, everything, without) for file in whole}
 
 
 def stripped(code: str) -> str:
@@ -60,7 +62,7 @@ def _shortened(token: re.Match[str]) -> str:
 
 
 @lru_cache
-def _alone(file: Path, parts: frozenset[Path], everything: frozenset[Path]) -> bytes:
+def _alone(file: Path, parts: frozenset[Path], everything: frozenset[Path], without: frozenset[Path]) -> bytes:
     """Return the code of a header, with that of each of `parts` at the place where it is included."""
     done: set[Path] = set()
 
@@ -71,6 +73,8 @@ def _alone(file: Path, parts: frozenset[Path], everything: frozenset[Path]) -> b
         return _INCLUDE.sub(lambda include: content(include, _named(part, include)), code)
 
     def content(include: re.Match[str], other: Path) -> str:
+        if other in without:
+            return ""
         if other in parts:
             return "" if other in done else expanded(other)
         if other in everything:

@@ -14,6 +14,7 @@ from fmus.amalgamation import amalgamated
 from fmus.carried import carried_description
 from fmus.catalog import Component
 from fmus.describe import Description, Misdeclared, described, parse
+from fmus.eigen import UNUSED
 from fmus.errors import AdcsError
 from fmus.files import digest, make_folder, write_atomically
 from fmus.lock import Lock
@@ -21,7 +22,10 @@ from fmus.mistakes import from_compiler, from_declaration, truncated
 from fmus.pack import FILE_NAMES, Parts, is_own, licences, pack
 from fmus.paths import BUILD, DIST, EIGEN, FMI_HEADERS, SOURCES
 from fmus.toolchain import (
+    INLINED,
+    SMALL,
     TARGETS,
+    UNOPTIMISED,
     NotCompiled,
     Step,
     Target,
@@ -197,7 +201,7 @@ class _Plan:
         }
         # not optimised, which takes longer than the program runs
         machine = host()
-        header = self._header("describe", machine, *DESCRIBE_FLAGS, optimised=False)
+        header = self._header("describe", machine, *DESCRIBE_FLAGS, level=UNOPTIMISED)
         describe = [
             compile_step(
                 self._model,
@@ -206,14 +210,14 @@ class _Plan:
                 *DESCRIBE_FLAGS,
                 *self._include,
                 header=header,
-                optimised=False,
+                level=UNOPTIMISED,
             ),
             compile_step(
                 SOURCES / "fmi" / "describe.cpp",
                 self._object("describe", machine),
                 machine,
                 *DESCRIBE_FLAGS,
-                optimised=False,
+                level=UNOPTIMISED,
             ),
             self._compile_adaptor("runtime", machine),
         ]
@@ -276,10 +280,11 @@ class _Plan:
             for file in files
             if file.is_relative_to(root) and file.is_file()
         }
+        without = frozenset() if self.component.outside else UNUSED
         return {
             self._model.name: self._model.read_bytes(),
             **own,
-            **amalgamated([file for file in files if file.is_relative_to(EIGEN)], EIGEN),
+            **amalgamated([file for file in files if file.is_relative_to(EIGEN)], EIGEN, without),
         }
 
     def _made_of(self) -> dict[str, str]:
@@ -301,11 +306,11 @@ class _Plan:
         return inside | {str(file): digest(file) for file in outside}
 
     def _compile_adaptor(self, name: str, target: Target) -> Step:
-        return compile_step(SOURCES / "fmi" / f"{name}.cpp", self._object(name, target), target)
+        return compile_step(SOURCES / "fmi" / f"{name}.cpp", self._object(name, target), target, level=SMALL)
 
-    def _header(self, name: str, target: Target, *flags: str, optimised: bool = True) -> Step:
+    def _header(self, name: str, target: Target, *flags: str, level: Sequence[str] = INLINED) -> Step:
         output = self._object(name, target).with_suffix(".pch")
-        return header_step(SOURCES / "fmi" / "export.hpp", output, target, *flags, optimised=optimised)
+        return header_step(SOURCES / "fmi" / "export.hpp", output, target, *flags, level=level)
 
     def _object(self, name: str, target: Target, work: Path | None = None) -> Path:
         return (work or self._work) / "objects" / target.name / f"{name}.o"

@@ -29,8 +29,9 @@ _LICENCE_OVERVIEW = """\
 This FMU is part of adcs-fmus, BSD 3-clause licence, adcs-fmus.txt.
 
 Compiled in, and in sources/ where it is source code:
-- Eigen (sources/Eigen), Mozilla Public License 2.0, Eigen.txt. Its source code is in this FMU, each module in one file
-  and without comments other than copyright notices; as its authors publish it: https://eigen.tuxfamily.org.
+- Eigen (sources/Eigen), Mozilla Public License 2.0, Eigen.txt. Its source code is in this FMU, each module in one file,
+  without headers that nothing here uses and without comments other than copyright notices; as its authors publish it:
+  https://eigen.tuxfamily.org.
 - C header files of the FMI standard, 2-clause BSD licence, FMI.txt.
 - headers of libc++, Apache License 2.0 with LLVM exceptions, libcxx.txt.
 - compiler support routines of Zig, MIT licence, zig.txt.

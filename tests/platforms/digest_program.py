@@ -1,16 +1,17 @@
 """The digest program: all components in one binary, made with the flags of the FMUs or by a C++ compiler."""
 
 import subprocess
+import zipfile
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from os import cpu_count
 from pathlib import Path
 
-from fmus import catalog
+from fmus import catalog, fmu_path
 from fmus.build import ADAPTOR
 from fmus.catalog import Component
 from fmus.files import write_atomically
-from fmus.paths import BUILD, EIGEN, FMI_HEADERS, SOURCES
+from fmus.paths import BUILD, FMI_HEADERS, SOURCES
 from fmus.toolchain import Target, compile_step, host, program_step, run_steps
 
 HERE = Path(__file__).parent
@@ -62,11 +63,14 @@ def _made(name: str, files: Sequence[Path], target: Target) -> Path:
 
 
 def made_by(compiler: Sequence[str], folder: Path) -> Path:
-    """The program, made by another compiler."""
+    """The program, made by another compiler of those headers of Eigen that an FMU has."""
+    with zipfile.ZipFile(fmu_path("RigidBody")) as fmu:
+        fmu.extractall(folder, [name for name in fmu.namelist() if name.startswith("sources/Eigen/")])
+    eigen = folder / "sources"
 
     def compiled(source: Path) -> Path:
         output = folder / f"{source.stem}.o"
-        flags = ["-std=c++17", f"-I{SOURCES}", f"-I{HERE}", f"-isystem{EIGEN}", f"-isystem{FMI_HEADERS}"]
+        flags = ["-std=c++17", f"-I{SOURCES}", f"-I{HERE}", f"-isystem{eigen}", f"-isystem{FMI_HEADERS}"]
         subprocess.run([*compiler, *flags, "-c", source, "-o", output], check=True)
         return output
 

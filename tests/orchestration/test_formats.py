@@ -113,12 +113,12 @@ def test_a_component_s_state_of_another_version_is_refused_by_name(own, state):
     def change(arrays):
         content = bytearray(arrays["state_0"].tobytes())
         at = content.index(b"ADCS") + 4
-        assert content[at : at + 4] == struct.pack("<I", 2)
+        assert content[at : at + 4] == struct.pack("<I", 3)
         content[at : at + 4] = struct.pack("<I", 9)
         arrays["state_0"] = np.frombuffer(bytes(content), np.uint8)
 
     rewritten(state, change)
-    with pytest.raises(AdcsError, match=r"^body: .*the saved state has format 9, expected 2: it comes from another"):
+    with pytest.raises(AdcsError, match=r"^body: .*the saved state has format 9, expected 3: it comes from another"):
         run(own(), stop_time=2.0, step=0.5, resume=state)
 
 

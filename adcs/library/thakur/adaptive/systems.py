@@ -49,23 +49,17 @@ class Loop(NamedTuple):
 
 
 LOOPS = {
-    "adaptive-baseline": Loop(_rigid, "AdaptiveTracking",
-                              {**settings.ADAPTIVE_GAINS, "gamma_1": 0.0, **KNOWING}),
-    "comparison-baseline": Loop(_rigid,
-                                "NonCertaintyEquivalenceTracking",
-                                {**settings.COMPARISON_GAINS, "gamma": 0.0, **KNOWING}),
-    "adaptive-appendage": Loop(_with_appendages,
-                               "AdaptiveAppendageTracking", APPENDAGE),
+    "adaptive-baseline": Loop(_rigid, "AdaptiveTracking", {**settings.ADAPTIVE_GAINS, "gamma_1": 0.0, **KNOWING}),
+    "comparison-baseline": Loop(
+        _rigid, "NonCertaintyEquivalenceTracking", {**settings.COMPARISON_GAINS, "gamma": 0.0, **KNOWING}
+    ),
+    "adaptive-appendage": Loop(_with_appendages, "AdaptiveAppendageTracking", APPENDAGE),
     "adaptive-appendage-full": Loop(_with_appendages, "AdaptiveAppendageTrackingFull", APPENDAGE),
-    "comparison-appendage": Loop(_with_appendages,
-                                 "NonCertaintyEquivalenceTracking", COMPARISON),
-    "adaptive-fuel": Loop(_losing_fuel,
-                          "AdaptiveFuelTracking", FUEL),
-    "adaptive-fuel-full": Loop(_losing_fuel,
-                               "AdaptiveFuelTrackingFull", FUEL),
-    "comparison-fuel": Loop(_losing_fuel,
-                            "NonCertaintyEquivalenceTracking", COMPARISON),
-}  # fmt: skip
+    "comparison-appendage": Loop(_with_appendages, "NonCertaintyEquivalenceTracking", COMPARISON),
+    "adaptive-fuel": Loop(_losing_fuel, "AdaptiveFuelTracking", FUEL),
+    "adaptive-fuel-full": Loop(_losing_fuel, "AdaptiveFuelTrackingFull", FUEL),
+    "comparison-fuel": Loop(_losing_fuel, "NonCertaintyEquivalenceTracking", COMPARISON),
+}
 """Every loop by the name of its system; the comparison law knows nothing of how the inertia changes."""
 
 

@@ -19,8 +19,7 @@ from fmpy.model_description import ModelDescription, ModelVariable
 from numpy.typing import ArrayLike
 
 from fmus import fmu_path
-
-from .reference import Array
+from references.observer_pd import Array
 
 VERSIONS = (2, 3)
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from adcs import System, run
+from references.observer_pd import Array
 
 from .fmu_access import VERSIONS, Component
-from .reference import Array
 
 TILTED = np.array([0.8, 0.6, 0.0, 0.0])
 CHOICE = (

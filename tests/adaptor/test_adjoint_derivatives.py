@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
+from tests.one_fmu import Raw, unpacked
+
 from .points import NAMES, arrays, near, starts
-from .raw import Raw, unpacked
 
 STARTS, STEP = (0.0, 1.234, 1.234), 0.05  # s; the first is an instant of every sampling clock, the others of none
 ROUNDING = 64 * np.finfo(float).eps

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from .raw import Raw, unpacked
+from tests.one_fmu import Raw, unpacked
 
 NAMES = (
     "FixedAxisReference",

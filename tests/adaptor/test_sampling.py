@@ -10,8 +10,7 @@ import pytest
 import adcs
 from adcs import CoSimulation, ModelExchange, System
 from fmus.build import build
-
-from .raw import Raw
+from tests.one_fmu import Raw
 
 VERSIONS = ("2.0", "3.0")
 CLOCKED = """\
@@ -153,10 +152,10 @@ def raw(request: pytest.FixtureRequest, header: Path) -> Iterator[Raw]:
 def test_a_repeated_sample_is_the_same_and_the_first_stays_the_first(raw: Raw) -> None:
     raw.initialize(u=1.0)
     assert raw.get("seen") == 11.0
-    raw.set("u", 2.0)  # at the same instant: the same sample, of another value
+    raw.set({"u": 2.0})  # at the same instant: the same sample, of another value
     assert (raw.get("seen"), raw.get("started")) == (22.0, 0.0)
     raw.step(0.0, 0.05)
-    raw.set("u", 5.0)
+    raw.set({"u": 5.0})
     assert (raw.get("seen"), raw.get("passing")) == (22.0, 5.0)
     raw.step(0.05, 0.05)
     assert (raw.get("seen"), raw.get("started"), raw.get("count")) == (75.0, 0.0, 1.0)
@@ -165,7 +164,7 @@ def test_a_repeated_sample_is_the_same_and_the_first_stays_the_first(raw: Raw) -
 def test_saved_states_carry_clocks_and_held_outputs(raw: Raw) -> None:
     raw.initialize(u=1.0)
     raw.step(0.0, 0.13)
-    raw.set("u", 3.0)
+    raw.set({"u": 3.0})
     state = raw.to_bytes(raw.save())
     names = ("seen", "seen_slowly", "passing", "area", "count", "started", "slow_time")
 

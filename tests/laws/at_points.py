@@ -9,8 +9,7 @@ from scipy.integrate import solve_ivp
 from references.answers import LAWS, SAMPLED
 from references.law import Law, Point, of_the_whole
 from references.observer_pd import Array, rate_along
-
-from .fmu_access import Component, array_name, unpacked
+from tests.one_fmu import Component, array_name, unpacked
 
 POINTS = 24
 INSTANTS = 6

@@ -9,9 +9,9 @@ from adcs import AdcsError, CoupledModel, System, run
 from orchestration.running.method import method_of
 from references.adaptive import DIAGONAL
 from references.answers.adaptive import certainty_equivalence
+from tests.one_fmu import Component
 
 from .at_points import draw
-from .fmu_access import Component
 
 INERTIAS = ("J_0_B", "J_1_B")
 

@@ -16,9 +16,9 @@ from references.answers.deruiter import control, on_sphere, reference_rates
 from references.deruiter import HATS, MUTANTS, Gains, Loop
 from references.law import inertia, quaternion
 from references.observer_pd import Array, rotation, skew
+from tests.one_fmu import VERSIONS, Component
 
 from .at_points import draw
-from .fmu_access import VERSIONS, Component
 
 POINTS = 24
 

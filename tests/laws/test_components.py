@@ -6,8 +6,7 @@ from scipy.stats import chisquare, kstest
 
 from references.law import quaternion
 from references.observer_pd import Array
-
-from .fmu_access import VERSIONS, Component
+from tests.one_fmu import VERSIONS, Component
 
 # --- star tracker -----------------------------------------------------------------------------------------------------
 

@@ -5,9 +5,9 @@ import pytest
 
 from fmus import catalog
 from references.answers import LAWS, SAMPLED
+from tests.one_fmu import VERSIONS
 
 from . import at_points as at
-from .fmu_access import VERSIONS
 
 both = pytest.mark.parametrize("version", VERSIONS)
 at_points = pytest.mark.parametrize("name", LAWS)

@@ -13,9 +13,9 @@ from references import gyro_free as ref
 from references.answers.gyro_free import gains, gyro_free
 from references.law import quaternion
 from references.observer_pd import Array
+from tests.one_fmu import VERSIONS, Component
 
 from .at_points import draw, opened
-from .fmu_access import VERSIONS, Component
 from .gyro_free_mutants import MUTANTS
 
 

@@ -13,8 +13,7 @@ from orchestration.instances.instance import CallFailed
 from references.answers import SAMPLED
 from references.law import quaternion
 from references.observer_pd import Array
-
-from .fmu_access import VERSIONS, Component
+from tests.one_fmu import VERSIONS, Component
 
 PERIOD = 0.05
 Draw = Callable[[np.random.Generator], dict[str, Any]]

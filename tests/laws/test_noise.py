@@ -20,8 +20,7 @@ from orchestration.fmu.file import open_fmu
 from orchestration.fmu.seeds import seeds_of
 from references.noise import State, Words, directions, mixed, normal, start, uniform, words
 from references.observer_pd import Array, rotation
-
-from .fmu_access import VERSIONS, Component
+from tests.one_fmu import VERSIONS, Component
 
 CHANCE = 1e-3
 """That a family of comparisons fails though nothing is wrong."""

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
+from tests.one_fmu import VERSIONS
+
 from .at_points import draw, opened
-from .fmu_access import VERSIONS
 
 POINTS = 20
 

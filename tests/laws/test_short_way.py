@@ -5,8 +5,7 @@ import pytest
 
 from adcs import System, run
 from references.observer_pd import Array
-
-from .fmu_access import VERSIONS, Component
+from tests.one_fmu import VERSIONS, Component
 
 TILTED = np.array([0.8, 0.6, 0.0, 0.0])
 CHOICE = (

@@ -11,8 +11,7 @@ from adcs import System, run
 from orchestration.instances.instance import CallFailed
 from references.law import inertia
 from references.observer_pd import Array
-
-from .fmu_access import Component, array_name, unpacked
+from tests.one_fmu import Component, array_name, unpacked
 
 
 def test_what_an_observer_needs_does_not_wait_for_its_estimate() -> None:

@@ -15,8 +15,7 @@ from adcs.library.trigo.systems import BUILDERS, ESTIMATE, build, exchange_step,
 from references import trigo as ref
 from references.observer_pd import Array
 from references.trigo import Batch, Mode
-
-from .fmu_access import Component
+from tests.one_fmu import Component
 
 SLEW_START, SCAN_START, STOP = 2.0, 5.0, 8.0  # s: early, so that short runs show both
 NAMES = {

@@ -18,9 +18,9 @@ from references import velocity_free as ref
 from references.law import inertia, quaternion
 from references.observer_pd import Array, body_acceleration, error, kinematics, rate_along, rotation, skew
 from references.velocity_free import INERTIA, Loop
+from tests.one_fmu import VERSIONS, Component
 
 from .at_points import POINTS, draw, opened
-from .fmu_access import VERSIONS, Component
 
 
 def test_the_orbit_obeys_newton_and_keeps_its_energy() -> None:

@@ -12,25 +12,14 @@ from fmpy.fmi1 import FMICallException
 import adcs
 from adcs import CoSimulation, ModelExchange, System
 from fmus.build import build
+from tests.mock_header import mock_header
 from tests.one_fmu import Raw
 
 VERSIONS = ("2.0", "3.0")
 METHODS = (CoSimulation(), ModelExchange(), ModelExchange("CVode", rtol=1e-9))
-BALL = """\
-/// # A ball that bounces, and a valve that opens late
-#pragma once
-
-#include "fmi/declaration.hpp"
-#include "fmi/lifted.hpp"
-
-namespace adcs {
-
-template <class T>
-struct BallAndValve {
-    static constexpr auto kind = "plant";
-    static constexpr auto summary = "what happens at events";
-    static constexpr auto reference = "";
-
+BALL = mock_header(
+    "BallAndValve",
+    """\
     T time = 0.0, command = 0.0, delay = 0.3, restitution = 0.8;
     T height = 1.0, heightDot = 0.0, speed = 0.0, speedDot = 0.0, volume = 0.0, volumeDot = 0.0;
     T bounces = 0.0, first = 0.0, opens_at = never, closes_at = never, open = 0.0;
@@ -83,10 +72,10 @@ struct BallAndValve {
         speedDot = -9.81;
         volumeDot = flow;
     }
-};
-
-}  // namespace adcs
-"""
+""",
+    summary="what happens at events",
+    lifted=True,
+)
 
 
 @pytest.fixture(scope="module")

@@ -10,23 +10,13 @@ import pytest
 import adcs
 from adcs import CoSimulation, ModelExchange, System
 from fmus.build import build
+from tests.mock_header import mock_header
 from tests.one_fmu import Raw
 
 VERSIONS = ("2.0", "3.0")
-CLOCKED = """\
-/// # Two clocks
-#pragma once
-
-#include "fmi/declaration.hpp"
-#include "fmi/lifted.hpp"
-
-namespace adcs {
-
-template <class T>
-struct TwoClocks {
-    static constexpr auto summary = "what two clocks sample";
-    static constexpr auto reference = "";
-
+CLOCKED = mock_header(
+    "TwoClocks",
+    """\
     T time = 0.0, u = 0.0, fast_period = 0.1, slow_period = 0.25, slow_offset = 0.05;
     T count = 0.0, started = -1.0, memory = 0.0, slow_time = 0.0;
     T seen = 0.0, passing = 0.0, seen_slowly = 0.0, area = 0.0, areaDot = 0.0;
@@ -66,10 +56,10 @@ struct TwoClocks {
     }
 
     void derivatives() { areaDot = seen; }
-};
-
-}  // namespace adcs
-"""
+""",
+    summary="what two clocks sample",
+    lifted=True,
+)
 
 
 @pytest.fixture(scope="module")

@@ -75,7 +75,7 @@ def test_they_are_the_transpose_of_the_directional_ones(name: str) -> None:
                 along = np.array(raw.fmu.getDirectionalDerivative(u, k, direction.tolist(), n_u))
                 both = size @ np.abs(direction)  # what cancels inside the component is larger, and not seen here
                 assert abs(v @ along - adjoint @ direction) <= 1e3 * ROUNDING * max(both, np.abs(v) @ np.abs(along))
-                compared += np.count_nonzero(adjoint)
+                compared += int(np.count_nonzero(adjoint))
     assert compared > 0
 
 

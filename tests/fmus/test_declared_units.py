@@ -200,7 +200,7 @@ def test_unit_definitions_of_both_standards(descriptions: list[Description], xml
 def test_a_component_with_such_states_is_an_fmu_without_findings(tmp_path: Path) -> None:
     header = law(tmp_path, ("N_m", "T", "W", "K", "rpm", "kg_per_s", "N_per_m"))
     assert len(adcs.build([str(header)])) == 2
-    assert not [f for f in adcs.check(header) if f.level != "note"]
+    assert not [f for f in adcs.check(header) if f.severity != "note"]
 
 
 def test_one_of_your_own_is_a_line(tmp_path: Path) -> None:

@@ -328,7 +328,7 @@ def test_the_filter_rate_seen_by_the_body_is_bounded_by_1_plus_mu_v_and_not_by_1
         axis = rng.normal(size=3)
         dq_tilde = np.append(np.sqrt(1 - mu_v**2), mu_v * axis / np.linalg.norm(axis))
         sigma = ref.G(dq) @ np.append(0, -axis / np.linalg.norm(axis))  # any unit vector may occur
-        largest = max(largest, np.linalg.norm(ref.E(dq).T @ (ref.G(dq) @ dq_tilde - sigma)))
+        largest = max(largest, float(np.linalg.norm(ref.E(dq).T @ (ref.G(dq) @ dq_tilde - sigma))))
     assert largest == pytest.approx(1 + mu_v, abs=1e-12)
 
 

@@ -48,14 +48,23 @@ def unit_vectors(p: Values) -> Point:
     return {"directions_B_meas": np.array(rows)}
 
 
+def wandering_rate(p: Values) -> Array:
+    k, seed = draw_number(p, "hold_time"), int(p["seed"])
+    size = p["max_rate"] * uniform("RandomWalkStarTracker", seed, k, 1)[0, 0]
+    return np.asarray(size * directions("RandomWalkStarTracker", seed, k)[0])
+
+
+def size_at_the_end(p: Values, omega: Array) -> float:
+    """Of the vector part of q_EB, after it has turned at this rate for a hold."""
+    end = rotation(p["q_EB"]) * Rotation.from_rotvec(float(p["hold_time"]) * omega)
+    return float(np.linalg.norm(end.as_quat()[:3]))
+
+
 def wandering(p: Values) -> Point:
     """The rate of draw k, reversed or dropped where its hold would end outside the bound; q_EB is the error then."""
-    k, seed, hold = draw_number(p, "hold_time"), int(p["seed"]), float(p["hold_time"])
-    rate = p["max_rate"] * uniform("RandomWalkStarTracker", seed, k, 1)[0, 0]
-    omega = rate * directions("RandomWalkStarTracker", seed, k)[0]
+    omega = wandering_rate(p)
     for choice in (omega, -omega, np.zeros(3)):
-        end = (rotation(p["q_EB"]) * Rotation.from_rotvec(hold * choice)).as_quat()
-        if np.linalg.norm(end[:3]) <= p["error_bound"] or p["error_bound"] >= 1:
+        if p["error_bound"] >= 1 or size_at_the_end(p, choice) <= p["error_bound"]:
             break
     turned = rotation(p["q_BN"]) * rotation(p["q_EB"])
     q = turned.as_quat(scalar_first=True)
@@ -64,18 +73,25 @@ def wandering(p: Values) -> Point:
 
 
 def wandering_point(rng: np.random.Generator) -> Point:
-    """Errors near their bound, so that some draws are reversed."""
-    bound, axis = rng.uniform(0.02, 0.3), rng.normal(size=3)
-    v = bound * rng.uniform(0.5, 1) * axis / np.linalg.norm(axis)
-    return {
-        "max_rate": rng.uniform(0.5, 2) * bound,
+    """The draw, or the reversed one, leads just up to the bound or just beyond."""
+    axis = rng.normal(size=3)
+    v = rng.uniform(0.2, 0.5) * axis / np.linalg.norm(axis)
+    point = {
+        "max_rate": rng.uniform(0.2, 1),
         "hold_time": rng.uniform(0.5, 1),
-        "error_bound": bound,
         "seed": rng.integers(1000),
         "q_EB": np.append(np.sqrt(1 - v @ v), v),
         "q_BN": quaternion(rng),
         "time": rng.uniform(0, 5),
     }
+    end = size_at_the_end(point, rng.choice([-1, 1]) * wandering_rate(point))
+    return {**point, "error_bound": min(1.0, end * (1 + rng.choice([-1e-3, 1e-3])))}
+
+
+def near_half_a_turn(rng: np.random.Generator) -> Array:
+    """Or further from it: where the shorter way changes sides."""
+    sigma = rng.normal(size=3)
+    return np.asarray(rng.choice([0.5, 0.99]) * sigma / np.linalg.norm(sigma))
 
 
 def attitude_and_rate(p: Values, memory: dict[str, int], u: Values) -> Point:
@@ -140,7 +156,7 @@ SAMPLED = {
             "seed": rng.integers(1000),
             "period": np.array(PERIOD),
         },
-        inputs=lambda rng: {"sigma_BO": rng.uniform(-0.55, 0.55, 3), "omega_BN_B": rng.normal(size=3)},
+        inputs=lambda rng: {"sigma_BO": near_half_a_turn(rng), "omega_BN_B": rng.normal(size=3)},
         step=attitude_and_rate,
     ),
     "InertialMeasurementUnit": Sampled(

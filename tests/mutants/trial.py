@@ -123,6 +123,8 @@ def tried(name: str, n: int) -> Outcome:
     binary = next(Path(folder.name).glob(f"binaries/*/{description.coSimulation.modelIdentifier}{host().suffix}"))
     right = binary.read_bytes()
     same = library(name, component.include, unchanged(component.header)).read_bytes()
+    whole = WORK / f"{name}{host().suffix}"
+    whole.write_bytes(same)
     found: Outcome = {"killed": 0, "by_other_tests": 0, "not_compiled": 0, "seconds": 0.0, "survivors": []}
     began = time.time()
     for mutant in chosen(own_headers(component.header), 4 * n):
@@ -146,6 +148,7 @@ def tried(name: str, n: int) -> Outcome:
             found["survivors"].append(survivor)
     put(binary, right)
     assert survives(name), f"{name} itself fails its test"
+    assert not (found["by_other_tests"] and seen_by_others(name, whole)), f"{name} itself fails the other tests"
     found["seconds"] = round(time.time() - began, 1)
     return found
 

@@ -25,7 +25,8 @@ class Ended:
 def invoke(app: App, arguments: Iterable[str]) -> Ended:
     """Call it with these words; an exception that ends it is kept, and counts as exit code 1."""
     out, err = io.StringIO(), io.StringIO()
-    code, raised = 0, None
+    code = 0
+    raised: BaseException | None = None
     with redirect_stdout(out), redirect_stderr(err):
         try:
             app(list(arguments))

@@ -17,7 +17,7 @@ from fmus.paths import BUILD, DIST
 FOLDERS = ("binaries/linux64/", "binaries/x86_64-linux/")
 TESTS = (
     "tests/adaptor",
-    "tests/laws/test_components.py",
+    "tests/laws/test_every_law.py",
     "tests/orchestration/test_checkpoint.py",
     "tests/orchestration/test_cosimulation.py",
     "tests/orchestration/test_coupled.py",

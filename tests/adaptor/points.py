@@ -6,8 +6,7 @@ import numpy as np
 from fmpy.model_description import ScalarVariable
 
 from fmus import catalog
-
-from .raw import unpacked
+from tests.one_fmu import unpacked
 
 NAMES = tuple(c.name for c in catalog.components())
 _MATRICES = ("(inertia matrix)", "(positive definite)", "(positive semidefinite)")

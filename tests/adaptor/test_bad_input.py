@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from .raw import Raw
+from tests.one_fmu import Raw
 
 VERSIONS = (2, 3)
 pytestmark = pytest.mark.parametrize("version", VERSIONS)
@@ -70,11 +70,11 @@ def test_zero_quaternion(version: int) -> None:
             body.initialize(q_BN=[0, 0, 0, 0])
         refused(body, "q_BN has norm 0: a unit quaternion is expected")
     with Raw("PdTracking", version).initialize() as controller:
-        controller.set("q_BN", [0, 0, 0, 0])
+        controller.set({"q_BN": [0, 0, 0, 0]})
         with pytest.raises(FMICallException):
             controller.get("torque_B")
         refused(controller, "input q_BN has norm 0")
-        controller.set("q_BN", [1, 0, 0, 0])
+        controller.set({"q_BN": [1, 0, 0, 0]})
         assert controller.get("torque_B") == pytest.approx(0.0)
 
 
@@ -86,11 +86,11 @@ def test_start_quaternion_is_normalised(version: int) -> None:
 def test_a_state_is_there_without_what_is_computed_of_it(version: int) -> None:
     """Before initialization is over it is normalised as it is read; afterwards no output need be possible."""
     with Raw("SmoothRateObserver", version) as observer:
-        observer.set("q_EN", [1.001, 0, 0, 0])
+        observer.set({"q_EN": [1.001, 0, 0, 0]})
         observer.enter()
         assert observer.get("q_EN").tolist() == [1, 0, 0, 0]
         observer.fmu.exitInitializationMode()
-        observer.set("q_BN", [0, 0, 0, 0])
+        observer.set({"q_BN": [0, 0, 0, 0]})
         assert observer.get("q_EN").tolist() == [1, 0, 0, 0]
         with pytest.raises(FMICallException):
             observer.get("omega_BN_B_est")
@@ -107,11 +107,11 @@ def test_measured_directions_are_unit_vectors(version: int, name: str) -> None:
         for row, factor in ((0, 1.011), (1, 0.989), (2, 2.0), (2, 0.0)):
             scaled = good.copy()
             scaled[row] *= factor
-            component.set("directions_B", scaled)
+            component.set({"directions_B": scaled})
             with pytest.raises(FMICallException):
                 component.get(output)
             refused(component, f"input row {row + 1} of directions_B has norm {factor:g}: a unit vector is expected")
-        component.set("directions_B", good)
+        component.set({"directions_B": good})
         component.get(output)
 
 
@@ -140,7 +140,7 @@ def test_every_input_refuses_what_is_not_finite(version: int, name: str, inputs:
         for variable in inputs:
             good = component.get(variable)
             with pytest.raises(FMICallException):
-                component.set(variable, [*good[:-1], value])
+                component.set({variable: [*good[:-1], value]})
             refused(component, f"{variable}[{good.size}] = {value:g} refused: a finite number is expected")
             assert component.get(variable).tolist() == good.tolist()
 
@@ -148,14 +148,14 @@ def test_every_input_refuses_what_is_not_finite(version: int, name: str, inputs:
 def test_bounds_of_parameters(version: int) -> None:
     with Raw("PdTracking", version) as controller:
         with pytest.raises(FMICallException):
-            controller.set("k_p", -1.0)
+            controller.set({"k_p": -1.0})
         refused(controller, "k_p = -1 refused: must be above 0")
     with Raw("StarTracker", version) as tracker:
         with pytest.raises(FMICallException):
-            tracker.set("half_angle", 2.0)
+            tracker.set({"half_angle": 2.0})
         refused(tracker, "half_angle = 2 refused: must be at most 1.5708")
         with pytest.raises(FMICallException):
-            tracker.set("seed", -1)
+            tracker.set({"seed": -1})
         refused(tracker, "seed = -1 refused: must be at least 0")
     with Raw("FixedAxisReference", version) as guidance:
         with pytest.raises(FMICallException):
@@ -166,15 +166,15 @@ def test_bounds_of_parameters(version: int) -> None:
 def test_what_may_not_be_set(version: int) -> None:
     with Raw("RigidBody", version).initialize() as body:
         with pytest.raises(FMICallException):
-            body.set("H_N", [1, 2, 3])
+            body.set({"H_N": [1, 2, 3]})
         refused(body, "H_N can not be set because the component computes it")
         with pytest.raises(FMICallException):
-            body.set("q_BN", [1, 0, 0, 0])
+            body.set({"q_BN": [1, 0, 0, 0]})
         refused(body, "q_BN can not be set after initialization")
     with Raw("PdTracking", version).initialize() as controller:
-        controller.set("k_p", 2.0)  # tunable
+        controller.set({"k_p": 2.0})  # tunable
         with pytest.raises(FMICallException):
-            controller.set("J_B", np.diag([1.0, 1.0, 3.0]))
+            controller.set({"J_B": np.diag([1.0, 1.0, 3.0])})
             controller.get("torque_B")
         refused(controller, "violates the triangle inequality")
 

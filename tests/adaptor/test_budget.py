@@ -3,7 +3,7 @@
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from .raw import Raw
+from tests.one_fmu import Raw
 
 VERSIONS = (2, 3)
 pytestmark = pytest.mark.parametrize("version", VERSIONS)

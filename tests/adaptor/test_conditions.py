@@ -8,8 +8,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from fmus.build import build
-
-from .raw import Raw
+from tests.one_fmu import Raw
 
 HEADER = """\
 /// # What is required
@@ -80,7 +79,7 @@ def raw(request: pytest.FixtureRequest, header: Path) -> Iterator[Raw]:
 )
 def test_parameters_are_refused_with_their_values(raw: Raw, start: dict[str, object], says: str) -> None:
     for name, value in start.items():
-        raw.set(name, value)
+        raw.set({name: value})
     with pytest.raises(FMICallException):
         raw.initialize()
     assert says in raw.messages[-1][2]
@@ -88,11 +87,11 @@ def test_parameters_are_refused_with_their_values(raw: Raw, start: dict[str, obj
 
 def test_an_input_has_to_be_a_rotation_at_all_times(raw: Raw) -> None:
     raw.initialize()
-    raw.set("C_BN", TURN)
+    raw.set({"C_BN": TURN})
     assert raw.get("y") == 1.0
-    raw.set("C_BN", 0.9 * TURN)
+    raw.set({"C_BN": 0.9 * TURN})
     with pytest.raises(FMICallException):
         raw.get("y")
     assert "at t = 0: input C_BN = [0 0.9 0; -0.9 0 0; 0 0 0.9] is no rotation" in raw.messages[-1][2]
-    raw.set("C_BN", np.eye(3))
+    raw.set({"C_BN": np.eye(3)})
     assert raw.get("y") == 2.0

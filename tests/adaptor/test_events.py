@@ -12,26 +12,14 @@ from fmpy.fmi1 import FMICallException
 import adcs
 from adcs import CoSimulation, ModelExchange, System
 from fmus.build import build
-
-from .raw import Raw
+from tests.mock_header import mock_header
+from tests.one_fmu import Raw
 
 VERSIONS = ("2.0", "3.0")
 METHODS = (CoSimulation(), ModelExchange(), ModelExchange("CVode", rtol=1e-9))
-BALL = """\
-/// # A ball that bounces, and a valve that opens late
-#pragma once
-
-#include "fmi/declaration.hpp"
-#include "fmi/lifted.hpp"
-
-namespace adcs {
-
-template <class T>
-struct BallAndValve {
-    static constexpr auto kind = "plant";
-    static constexpr auto summary = "what happens at events";
-    static constexpr auto reference = "";
-
+BALL = mock_header(
+    "BallAndValve",
+    """\
     T time = 0.0, command = 0.0, delay = 0.3, restitution = 0.8;
     T height = 1.0, heightDot = 0.0, speed = 0.0, speedDot = 0.0, volume = 0.0, volumeDot = 0.0;
     T bounces = 0.0, first = 0.0, opens_at = never, closes_at = never, open = 0.0;
@@ -84,10 +72,10 @@ struct BallAndValve {
         speedDot = -9.81;
         volumeDot = flow;
     }
-};
-
-}  // namespace adcs
-"""
+""",
+    summary="what happens at events",
+    lifted=True,
+)
 
 
 @pytest.fixture(scope="module")
@@ -164,20 +152,20 @@ def raw(request: pytest.FixtureRequest, header: Path) -> Iterator[Raw]:
 def test_what_inputs_bring_about_is_tentative_until_time_moves_on(raw: Raw) -> None:
     raw.initialize(delay=0.0)
     raw.step(0.0, 0.1)
-    raw.set("command", 1.0)
+    raw.set({"command": 1.0})
     assert raw.get("open") == 1.0
-    raw.set("command", 0.0)  # never mind
+    raw.set({"command": 0.0})  # never mind
     assert raw.get("open") == 0.0
-    raw.set("command", 1.0)
+    raw.set({"command": 1.0})
     raw.step(0.1, 0.1)
-    raw.set("command", 0.3)
+    raw.set({"command": 0.3})
     assert (raw.get("open"), raw.get("volume")) == (0.0, pytest.approx(0.1, abs=1e-15))
 
 
 def test_saved_states_carry_what_is_pending(raw: Raw) -> None:
     raw.initialize()
     raw.step(0.0, 0.4)
-    raw.set("command", 1.0)
+    raw.set({"command": 1.0})
     raw.get("open")
     state = raw.to_bytes(raw.save())
     names = ("height", "speed", "volume", "bounces", "open", "flow")
@@ -205,7 +193,7 @@ def test_model_exchange_tells_states_that_jump_and_when_something_is_due(header:
             np.testing.assert_array_equal(indicators, [0.0, -0.5])
             ball.fmu.setTime(0.25)
             ball.fmu.enterEventMode()
-            ball.set("command", 1.0)
+            ball.set({"command": 1.0})
             assert ball.event_update() == (True, 0.25 + 0.3)
 
 
@@ -222,11 +210,11 @@ def test_what_has_no_end_is_refused(tmp_path: Path) -> None:
     build([str(path)])
     with Raw(str(path), 3).initialize() as endless:
         endless.step(0.0, 0.1)
-        endless.set("command", 1.0)
+        endless.set({"command": 1.0})
         with pytest.raises(FMICallException):
             endless.step(0.1, 0.1)
         assert "at t = 0.1: events() comes to no end: " in endless.messages[-1][2]
-        endless.set("command", 0.0)
+        endless.set({"command": 0.0})
         endless.step(0.1, 0.1)
 
 
@@ -238,7 +226,7 @@ def test_what_an_event_says_is_told_once_when_it_counts(version: int) -> None:
         assert not body.messages
         body.step(0.3, 0.5)
         assert body.get("fuel_left") == 0.0
-        body.set("torque_B", [5.0, 0.0, 0.0])
+        body.set({"torque_B": [5.0, 0.0, 0.0]})
         body.step(0.8, 0.5)
         ((status, _, text),) = body.messages
         assert (status, text.endswith(empty)) == (1, True)

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
+from tests.one_fmu import Raw, unpacked
+
 from .points import NAMES, arrays, near, starts
-from .raw import Raw, unpacked
 
 START = 1.234  # no instant of any sampling clock
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from .raw import Raw
+from tests.one_fmu import Raw
 
 VERSIONS = (2, 3)
 NAMES = ("FixedAxisReference", "RigidBody", "StarTracker", "SmoothRateObserver", "PdTracking")
@@ -50,14 +50,14 @@ def test_model_exchange_state_is_saved_with_its_mode_and_time(version: int) -> N
     with Raw("RigidBody", version, cosim=False).initialize() as body:
         body.event_update()
         body.fmu.setTime(1.5)
-        body.states([0.5, 0.5, -0.5, 0.5, 0.1, 0.2, 0.3])
-        before = body.derivatives(7).tobytes()
+        body.set_state_vector([0.5, 0.5, -0.5, 0.5, 0.1, 0.2, 0.3])
+        before = body.rates(7).tobytes()
         state = body.save()
         body.fmu.setTime(2.0)
-        body.states([1, 0, 0, 0, 0, 0, 0])
-        assert body.derivatives(7).tobytes() != before
+        body.set_state_vector([1, 0, 0, 0, 0, 0, 0])
+        assert body.rates(7).tobytes() != before
         body.restore(state)
-        assert body.derivatives(7).tobytes() == before
+        assert body.rates(7).tobytes() == before
         assert body.get("time").tolist() == [1.5]
 
 

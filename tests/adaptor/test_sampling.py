@@ -10,24 +10,13 @@ import pytest
 import adcs
 from adcs import CoSimulation, ModelExchange, System
 from fmus.build import build
-
-from .raw import Raw
+from tests.mock_header import mock_header
+from tests.one_fmu import Raw
 
 VERSIONS = ("2.0", "3.0")
-CLOCKED = """\
-/// # Two clocks
-#pragma once
-
-#include "fmi/declaration.hpp"
-#include "fmi/lifted.hpp"
-
-namespace adcs {
-
-template <class T>
-struct TwoClocks {
-    static constexpr auto summary = "what two clocks sample";
-    static constexpr auto reference = "";
-
+CLOCKED = mock_header(
+    "TwoClocks",
+    """\
     T time = 0.0, u = 0.0, fast_period = 0.1, slow_period = 0.25, slow_offset = 0.05;
     T count = 0.0, started = -1.0, memory = 0.0, slow_time = 0.0;
     T seen = 0.0, passing = 0.0, seen_slowly = 0.0, area = 0.0, areaDot = 0.0;
@@ -67,10 +56,10 @@ struct TwoClocks {
     }
 
     void derivatives() { areaDot = seen; }
-};
-
-}  // namespace adcs
-"""
+""",
+    summary="what two clocks sample",
+    lifted=True,
+)
 
 
 @pytest.fixture(scope="module")
@@ -153,10 +142,10 @@ def raw(request: pytest.FixtureRequest, header: Path) -> Iterator[Raw]:
 def test_a_repeated_sample_is_the_same_and_the_first_stays_the_first(raw: Raw) -> None:
     raw.initialize(u=1.0)
     assert raw.get("seen") == 11.0
-    raw.set("u", 2.0)  # at the same instant: the same sample, of another value
+    raw.set({"u": 2.0})  # at the same instant: the same sample, of another value
     assert (raw.get("seen"), raw.get("started")) == (22.0, 0.0)
     raw.step(0.0, 0.05)
-    raw.set("u", 5.0)
+    raw.set({"u": 5.0})
     assert (raw.get("seen"), raw.get("passing")) == (22.0, 5.0)
     raw.step(0.05, 0.05)
     assert (raw.get("seen"), raw.get("started"), raw.get("count")) == (75.0, 0.0, 1.0)
@@ -165,7 +154,7 @@ def test_a_repeated_sample_is_the_same_and_the_first_stays_the_first(raw: Raw) -
 def test_saved_states_carry_clocks_and_held_outputs(raw: Raw) -> None:
     raw.initialize(u=1.0)
     raw.step(0.0, 0.13)
-    raw.set("u", 3.0)
+    raw.set({"u": 3.0})
     state = raw.to_bytes(raw.save())
     names = ("seen", "seen_slowly", "passing", "area", "count", "started", "slow_time")
 

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
+from tests.one_fmu import Raw
+
 from .points import NAMES, near, starts, tunable
-from .raw import Raw
 
 VERSIONS = (2, 3)
 CHECKSUM, TIME, CLOCK, MODE, FLAGS, VALUES = 8, 64, 88, 216, 228, 240
@@ -38,7 +39,7 @@ ROUTES = (through_memory, through_bytes)
 @pytest.mark.parametrize("version", VERSIONS)
 def test_what_was_refused_before_is_refused_after(version: int, cosim: bool, route: Callable[[Raw], None]) -> None:
     with Raw("RigidBody", version, cosim).initialize(omega_BN_B=[0.1, 0.2, 0.3]) as body:
-        body.set("J_B", np.diag([1.0, 1.0, -30.0]))
+        body.set({"J_B": np.diag([1.0, 1.0, -30.0])})
         for _ in range(2):
             with pytest.raises(FMICallException):
                 body.get("kinetic_energy")
@@ -46,7 +47,7 @@ def test_what_was_refused_before_is_refused_after(version: int, cosim: bool, rou
             route(body)
         with pytest.raises(FMICallException):
             body.step(0.0, 0.1) if cosim else body.event_update()
-        body.set("J_B", np.eye(3))
+        body.set({"J_B": np.eye(3)})
         assert body.get("kinetic_energy") == pytest.approx(0.07)
 
 
@@ -58,7 +59,7 @@ def test_a_quaternion_set_before_is_normalised_after(version: int, route: Callab
     torques = []
     for save in (False, True):
         with Raw("VectorPd", version).initialize(**TILTED) as controller:
-            controller.set("q_RN", reference)
+            controller.set({"q_RN": reference})
             if save:
                 route(controller)
             torques.append(controller.get("torque_B"))
@@ -69,7 +70,7 @@ def test_a_quaternion_set_before_is_normalised_after(version: int, route: Callab
 @pytest.mark.parametrize("version", VERSIONS)
 def test_inputs_set_before_are_checked_after(version: int) -> None:
     with Raw("PdTracking", version).initialize() as controller:
-        controller.set("q_BN", [0.5, 0.0, 0.0, 0.0])
+        controller.set({"q_BN": [0.5, 0.0, 0.0, 0.0]})
         through_bytes(controller)
         with pytest.raises(FMICallException):
             controller.get("torque_B")
@@ -105,7 +106,7 @@ def test_any_sequence_continues_to_the_bit(name: str, version: int, cosim: bool)
             through_memory(saved)
 
     def set_both(variable: str, value: np.ndarray) -> None:
-        both(lambda raw: raw.set(variable, value))
+        both(lambda raw: raw.set({variable: value}))
 
     for variable, value in start.items():
         set_both(variable, value)

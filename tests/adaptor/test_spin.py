@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from .raw import Raw
+from tests.one_fmu import Raw
 
 VERSIONS = (2, 3)
 pytestmark = pytest.mark.parametrize("version", VERSIONS)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from .raw import Raw
+from tests.one_fmu import Raw
 
 VERSIONS = (2, 3)
 pytestmark = pytest.mark.parametrize("version", VERSIONS)
@@ -57,11 +57,11 @@ def test_steps_of_any_size(version: int, exact: np.ndarray) -> None:
 
 def test_outputs_follow_inputs_without_a_step(version: int) -> None:
     with Raw("PdTracking", version).initialize() as controller:
-        controller.set("omega_BN_B", [0.1, 0, 0])
+        controller.set({"omega_BN_B": [0.1, 0, 0]})
         assert controller.get("torque_B")[0] == pytest.approx(-0.5)
-        controller.set("omega_BN_B", [0.2, 0, 0])
+        controller.set({"omega_BN_B": [0.2, 0, 0]})
         assert controller.get("torque_B")[0] == pytest.approx(-1.0)
-        controller.set("k_v", 10.0)
+        controller.set({"k_v": 10.0})
         assert controller.get("torque_B")[0] == pytest.approx(-2.0)
 
 
@@ -115,7 +115,7 @@ def test_the_input_set_at_the_sample_instant_counts(version: int) -> None:
     ):
         asked.step(0.0, 0.1)
         asked.get("q_BN_meas")
-        asked.set("q_BN", q_b)
+        asked.set({"q_BN": q_b})
         direct.step(0.0, 0.1)
         assert asked.get("q_BN_meas").tolist() == direct.get("q_BN_meas").tolist()
         asked.step(0.1, 0.1)

@@ -20,8 +20,8 @@ from fmus import fmu_path
 from fmus.check import check
 from orchestration.fmu.file import open_fmu
 from tests.invoking import invoke
+from tests.one_fmu import Raw, unpacked
 
-from .raw import Raw, unpacked
 from .test_saved_states import VALUES, forged
 
 VERSIONS = (2, 3)
@@ -187,12 +187,12 @@ def test_values_come_and_go_as_what_they_are(raw: Raw) -> None:
     settle(raw)
     expected["x"] = raw.get("x")[0]
     for name, value in {"level": 0.0, "enabled": 0, "copies": 1, "wanted": 1, "start_mode": 0}.items():
-        raw.set(name, value)
+        raw.set({name: value})
         assert raw.get(name)[0] == value
     off = {"lit": 0, "copied": 0, "mode": 0, "says": "sleeping", "y": 0.0}
     assert read(raw) == expected | off  # what is sampled, and what is held, waits for the next sample
-    raw.set("enabled", 1)
-    raw.set("inverted", 1)
+    raw.set({"enabled": 1})
+    raw.set({"inverted": 1})
     assert read(raw) == expected | {"copied": 2, "mode": 1, "says": "working", "y": 0.0, "lit": 1}
 
 
@@ -201,8 +201,8 @@ def test_what_is_sampled_is_held_until_the_next_sample(header: Path, version: in
     with Raw(str(header), version) as raw:
         raw.initialize(level=2.0)
         raw.step(0.0, 0.05)
-        raw.set("level", 0.0)
-        raw.set("wanted", 0)
+        raw.set({"level": 0.0})
+        raw.set({"wanted": 0})
         assert (raw.get("slow")[0], raw.get("lit")[0], raw.get("held_mode")[0], raw.get("ticks")[0]) == (1, 0, 1, 1)
         raw.step(0.05, 0.05)
         assert (raw.get("slow")[0], raw.get("lit")[0], raw.get("held_mode")[0], raw.get("ticks")[0]) == (0, 0, 0, 2)
@@ -229,7 +229,7 @@ def test_bad_values_are_refused_by_name(raw: Raw, name: str, value: int, message
         message = message.replace("-1", "255")
     else:
         with pytest.raises(FMICallException):
-            raw.set(name, value)
+            raw.set({name: value})
     assert raw.messages[-1][2].endswith(message)
 
 
@@ -247,7 +247,7 @@ def test_a_text_cannot_be_set_and_other_types_are_refused(raw: Raw) -> None:
 
 def test_an_item_that_is_none_is_a_law_s_mistake(raw: Raw) -> None:
     raw.initialize(wanted=2)
-    raw.set("offset", 1)
+    raw.set({"offset": 1})
     with pytest.raises(FMICallException):
         raw.get("mode")
     assert raw.messages[-1][2].endswith("at t = 0: mode is 3, which is none of its items: 0 (off), 1 (on), 2 (safe)")
@@ -259,12 +259,12 @@ def test_saved_states_carry_everything_and_texts_come_back(raw: Raw) -> None:
     data = raw.to_bytes(state)
     assert before["says"] == "sleeping"
     for name, value in {"level": 0.0, "enabled": 1, "wanted": 1, "copies": 1, "inverted": 0}.items():
-        raw.set(name, value)
+        raw.set({name: value})
     assert read(raw) != before
     raw.restore(state)
     assert raw.to_bytes(raw.save()) == data  # before anything is computed again
     assert read(raw) == before
-    raw.set("enabled", 1)
+    raw.set({"enabled": 1})
     raw.get("says")
     raw.restore(raw.from_bytes(data))
     assert text(raw.get("says")[0]) == "sleeping"

@@ -11,7 +11,7 @@ from .live import Udp
 
 def call(monkeypatch, capsys, *arguments):
     monkeypatch.setattr("sys.argv", ["adcs", *map(str, arguments)])
-    code = 0
+    code: str | int | None = 0
     try:
         cli.main()
     except SystemExit as end:

@@ -143,8 +143,8 @@ def test_commands_arrive_are_recorded_and_can_be_repeated():
     again = T5.build()
     make_commandable(again, find(again), ["arm", "param", "attitude"])
     changes = [(t, name, value) for t, name, value, _ in commands]
-    repeated = run(again, stop_time=20.0, step=0.01, hooks=[Changes(changes)], save=Save(list(result.ports)))
-    assert np.array_equal(repeated.data, result.data)
+    by_hooks = run(again, stop_time=20.0, step=0.01, hooks=[Changes(changes)], save=Save(list(result.ports)))
+    assert np.array_equal(by_hooks.data, result.data)
 
 
 def test_being_commandable_changes_nothing():

@@ -36,7 +36,9 @@ def outputs(notebook: Json, name: str) -> list[list[Json]]:
 
 def _executed(source: str, name: str, count: int, names: Json) -> list[Json]:
     body = ast.parse(source).body
-    shown = ast.Expression(body.pop().value) if body and isinstance(body[-1], ast.Expr) else None
+    last = body[-1] if body else None
+    shown = ast.Expression(last.value) if isinstance(last, ast.Expr) else None
+    body = body[:-1] if shown else body
     value, printed = None, io.StringIO()
     with contextlib.redirect_stdout(printed):
         exec(compile(ast.Module(body, []), name, "exec"), names)

@@ -14,6 +14,7 @@ from fmus.build import describe
 from fmus.describe import Description, Unit
 from fmus.model_description import fmi2, fmi3
 from fmus.paths import SOURCES
+from tests.mock_header import mock_header
 
 TABLE = dict(
     re.findall(r'inline constexpr Unit (\w+)\{"([^"]+)"', (SOURCES / "fmi" / "units.hpp").read_text(encoding="utf-8"))
@@ -53,21 +54,7 @@ FACTORS = {
     "rpm": 2 * math.pi / 60,
 }
 
-LAW = """\
-/// # Units
-#pragma once
-
-#include "fmi/declaration.hpp"
-
-namespace adcs {{
-
-{own}
-template <class T>
-struct Units {{
-    static constexpr auto kind = "plant";
-    static constexpr auto summary = "states";
-    static constexpr auto reference = "";
-
+BODY = """\
     {members}
 
     template <class V>
@@ -77,23 +64,18 @@ struct Units {{
     void derivatives() {{
         {body}
     }}
-}};
-
-}}  // namespace adcs
 """
 
 
 def law(folder: Path, units: tuple[str, ...], own: str = "") -> Path:
     """A header with a state in each unit, whose name in C++ it has."""
     header = folder / "units.hpp"
-    header.write_text(
-        LAW.format(
-            own=own,
-            members="\n    ".join(f"T x_{u} = 1.0, x_{u}_dot = 0.0;" for u in units),
-            declared="\n        ".join(f'v.state("x_{u}", x_{u}, x_{u}_dot, unit::{u}, "state");' for u in units),
-            body="\n        ".join(f"x_{u}_dot = -x_{u};" for u in units),
-        )
+    body = BODY.format(
+        members="\n    ".join(f"T x_{u} = 1.0, x_{u}_dot = 0.0;" for u in units),
+        declared="\n        ".join(f'v.state("x_{u}", x_{u}, x_{u}_dot, unit::{u}, "state");' for u in units),
+        body="\n        ".join(f"x_{u}_dot = -x_{u};" for u in units),
     )
+    header.write_text(mock_header("Units", body, "states", own=own))
     return header
 
 
@@ -218,7 +200,7 @@ def test_unit_definitions_of_both_standards(descriptions: list[Description], xml
 def test_a_component_with_such_states_is_an_fmu_without_findings(tmp_path: Path) -> None:
     header = law(tmp_path, ("N_m", "T", "W", "K", "rpm", "kg_per_s", "N_per_m"))
     assert len(adcs.build([str(header)])) == 2
-    assert not [f for f in adcs.check(header) if f.level != "note"]
+    assert not [f for f in adcs.check(header) if f.severity != "note"]
 
 
 def test_one_of_your_own_is_a_line(tmp_path: Path) -> None:

@@ -13,21 +13,11 @@ from fmus.build import describe
 from fmus.checks.functions import offered
 from fmus.code import without_comments
 from tests.invoking import invoke
+from tests.mock_header import mock_header
 
-LAW = """\
-/// # A law
-#pragma once
-
-#include "fmi/declaration.hpp"
-
-namespace adcs {
-
-template <class T>
-struct MyLaw {
-    static constexpr auto kind = "controller";
-    static constexpr auto summary = "a law";
-    static constexpr auto reference = "";
-
+LAW = mock_header(
+    "MyLaw",
+    """\
     Vec3<T> omega{0.0, 0.0, 0.0}, torque{0.0, 0.0, 0.0};
     T k = 1.0;
 
@@ -39,10 +29,10 @@ struct MyLaw {
     }
 
     void outputs() { torque = -k * omega; }
-};
-
-}  // namespace adcs
-"""
+""",
+    summary="a law",
+    kind="controller",
+)
 BODY = "torque = -k * omega;"
 OUTPUTS = "    void outputs() { torque = -k * omega; }"
 MEMBER, DECLARED, SET = 15, 20, 24

@@ -9,6 +9,7 @@ import socket
 import sys
 import time
 from math import sqrt
+from typing import Any
 
 import numpy as np
 from pymavlink.dialects.v20 import common as mavlink
@@ -66,7 +67,7 @@ class Autopilot:
             for message in self.link.parse_buffer(data) or []:
                 self.handle(message)
 
-    def handle(self, message: object) -> None:
+    def handle(self, message: Any) -> None:
         kind = message.get_type()
         source = "ODOMETRY" if self.options.star_tracker else "HIL_STATE_QUATERNION"
         if kind == source:
@@ -74,7 +75,7 @@ class Autopilot:
         elif kind == "HIL_SENSOR":
             self.answer(message)
 
-    def answer(self, sensors: object) -> None:
+    def answer(self, sensors: Any) -> None:
         options = self.options
         if options.stop_after is not None and self.answers >= options.stop_after:
             return

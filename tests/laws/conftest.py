@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from .reference import Array, Loop
+from references.observer_pd import Array, Loop
 
 
 @pytest.fixture(scope="session")

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from .gyro_free_reference import Control, Gains, gyro_free, m_tilde, omega_error
-from .reference import Array
+from references.gyro_free import Control, Gains, gyro_free, m_tilde, omega_error
+from references.observer_pd import Array
 
 
 def _with(g: Gains, y: Array, y_r: Array, z: Array, m: Array) -> tuple[Array, Array]:

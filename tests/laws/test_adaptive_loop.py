@@ -10,8 +10,7 @@ from scipy.integrate import solve_ivp
 
 from adcs import CoupledModel, ModelExchange, Save, System, run
 from adcs.library.thakur.adaptive import systems as systems
-
-from .adaptive_reference import (
+from references.adaptive import (
     DIAGONAL,
     MASSES,
     Adaptation,
@@ -21,7 +20,7 @@ from .adaptive_reference import (
     every_element,
     solve,
 )
-from .reference import Array, rate_along, rotation
+from references.observer_pd import Array, rate_along, rotation
 
 NO_BASIS = np.zeros((0, 3, 3))
 J_1_FUEL = np.diag([4e-3, 4e-3, 5e-3])

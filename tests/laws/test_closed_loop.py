@@ -10,8 +10,7 @@ from scipy.integrate import solve_ivp
 from adcs import CoupledModel, ModelExchange, System, run
 from adcs.catalogue import SYSTEMS
 from orchestration.running.method import method_of
-
-from .reference import Array, Loop, rate_along
+from references.observer_pd import Array, Loop, rate_along
 
 NAMES = {"full-state-pd": False, "observer-pd": True}
 

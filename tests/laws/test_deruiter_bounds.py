@@ -13,10 +13,9 @@ from scipy.optimize import minimize
 
 from adcs import AdcsError
 from adcs.library.deruiter.design import WORST, EstimationBounds, Guarantee, Law, Task, parameters
-
-from . import deruiter_reference as ref
-from .at_points import inertia
-from .reference import Array, kinematics, rotation, skew
+from references import deruiter as ref
+from references.law import inertia
+from references.observer_pd import Array, kinematics, rotation, skew
 
 NOMINAL = ((21.0, 0.0, 0.0), (0.0, 16.5, 0.0), (0.0, 0.0, 14.5))
 TRUE = ((20.0, 1.2, 0.9), (1.2, 17.0, 1.4), (0.9, 1.4, 15.0))

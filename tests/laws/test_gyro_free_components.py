@@ -1,7 +1,5 @@
 """Unit vector sensor, gyro-free law, PD on vectors and QUEST, each alone, against the recomputation."""
 
-from collections.abc import Mapping
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -11,170 +9,29 @@ from scipy.stats import chisquare, combine_pvalues, kstest
 
 from adcs import System, run
 from orchestration.instances.instance import CallFailed
+from references import gyro_free as ref
+from references.answers.gyro_free import gains, gyro_free
+from references.law import quaternion
+from references.observer_pd import Array
+from tests.one_fmu import VERSIONS, Component
 
-from . import gyro_free_reference as ref
-from .at_points import Law, Point, compare, draw, quaternion, same_bits, slopes, to_1e_12
-from .fmu_access import VERSIONS, Component, unpacked
+from .at_points import draw, opened
 from .gyro_free_mutants import MUTANTS
-from .reference import Array
-
-
-def definite(rng: np.random.Generator) -> Array:
-    a = rng.normal(size=(3, 3))
-    definite: Array = a @ a.T + 0.1 * np.eye(3)
-    return definite
-
-
-def hurwitz(rng: np.random.Generator) -> Array:
-    """A matrix in no particular basis with all eigenvalues left of -0.2."""
-    a = rng.normal(size=(3, 3))
-    shifted: Array = a - (np.linalg.eigvals(a).real.max() + rng.uniform(0.2, 2)) * np.eye(3)
-    return shifted
-
-
-def vectors(rng: np.random.Generator) -> Point:
-    """Three directions in N, weights, and unit vectors that are not quite what any attitude shows."""
-    y = rng.normal(size=(3, 3))
-    return {
-        "directions_N": rng.normal(size=(3, 3)),
-        "weights": rng.uniform(0.1, 2, 3),
-        "directions_B": y / np.linalg.norm(y, axis=1, keepdims=True),
-    }
-
-
-def gains(p: Mapping[str, Any]) -> ref.Gains:
-    return ref.Gains(p["weights"], p["k_p"], p["k_z"], p["A_m"], p["B"], p["Q"])
-
-
-def gyro_free(p: Mapping[str, Any], law: ref.Control = ref.gyro_free) -> Point:
-    y_r, z = ref.seen(p["q_RN"], p["directions_N"]), p["z_0"] + p["z_moved"]
-    torque, z_dot = law(gains(p), p["directions_B"], y_r, z)
-    omega = ref.omega_error(p["weights"], p["directions_B"], y_r)
-    return {"z_moved": p["z_moved"], "torque_B": torque, "Omega_B": omega, "z": z, "zDot": z_dot}
-
-
-def vector_pd(p: Mapping[str, Any]) -> Point:
-    omega = ref.omega_error(p["weights"], p["directions_B"], ref.seen(p["q_RN"], p["directions_N"]))
-    return {"torque_B": -p["k_p"] * omega - p["k_w"] * p["omega_BN_B"], "Omega_B": omega}
-
-
-def measured(rng: np.random.Generator) -> Point:
-    """Vectors seen at a random attitude, each off by a few degrees, and that attitude as the sign to take."""
-    point, q = vectors(rng), quaternion(rng)
-    y = ref.seen(q, point["directions_N"]) + rng.normal(scale=0.05, size=(3, 3))
-    return {**point, "directions_B": y / np.linalg.norm(y, axis=1, keepdims=True), "q_BN_first": q}
-
-
-LAWS = {
-    "UnitVectorSensor": Law(
-        draw=lambda rng: {"directions_N": rng.normal(size=(3, 3)), "q_BN": quaternion(rng)},
-        outputs=lambda p: {"directions_B_meas": ref.seen(p["q_BN"], p["directions_N"])},
-    ),
-    "GyroFreeStabilization": Law(
-        draw=lambda rng: {
-            **vectors(rng),
-            "q_RN": quaternion(rng),
-            "k_p": rng.uniform(0.1, 3),
-            "k_z": rng.uniform(0.1, 3),
-            "A_m": hurwitz(rng),
-            "B": rng.normal(size=(3, 3)),
-            "Q": definite(rng),
-            "filter_at_rest": np.array(0),
-            "z_0": rng.normal(size=3),
-            "z_moved": rng.normal(size=3),
-        },
-        outputs=gyro_free,
-        rates=lambda p: {"z_moved": gyro_free(p)["zDot"]},
-    ),
-    "VectorPd": Law(
-        draw=lambda rng: {
-            **vectors(rng),
-            "q_RN": quaternion(rng),
-            "k_p": rng.uniform(0.1, 3),
-            "k_w": rng.uniform(0.1, 3),
-            "omega_BN_B": rng.normal(size=3),
-        },
-        outputs=vector_pd,
-    ),
-    "Quest": Law(
-        draw=measured,
-        outputs=lambda p: {
-            "q_BN_est": ref.quest(p["weights"], p["directions_B"], p["directions_N"], p["q_BN_first"]),
-            "observability": np.array(ref.observability(p["weights"], p["directions_B"], p["directions_N"])),
-        },
-    ),
-}
-
-
-def opened(name: str, version: int, point: Mapping[str, Any], **kind: Any) -> Component:
-    """An instance whose parameters, inputs and states start at ``point``."""
-    return Component(name, version, point, **kind)
-
-
-@pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("name", LAWS)
-def test_outputs_and_derivatives(name: str, version: int) -> None:
-    for point in draw(name, LAWS[name]):
-        with opened(name, version, point) as component:
-            compare(component, LAWS[name], point, to_1e_12)
-
-
-@pytest.mark.parametrize("name", LAWS)
-def test_both_fmi_versions_give_the_same_bits(name: str) -> None:
-    same_bits(name, LAWS[name], opened)
-
-
-@pytest.mark.parametrize("name", LAWS)
-def test_directional_derivatives(name: str) -> None:
-    """Against central differences of sixth order, for every input, state and tunable parameter."""
-    for point in draw(name, LAWS[name], 2):
-        with opened(name, 3, point) as component:
-            for known, analytic, numeric in slopes(component, point, directions):
-                scale = max(1.0, np.abs(analytic).max())
-                np.testing.assert_allclose(analytic, numeric, rtol=1e-8, atol=2e-9 * scale, err_msg=f"by {known}")
-
-
-def directions(known: str, value: Array) -> list[Array]:
-    """A basis of the changes; a quaternion that the component normalises stays on the unit sphere."""
-    basis = list(np.eye(value.size).reshape(-1, *value.shape))
-    return [b - (b @ value) * value for b in basis] if known == "q_RN" else basis
 
 
 @pytest.mark.parametrize("name", MUTANTS)
 def test_a_wrong_law_differs_at_random_points(name: str) -> None:
     """By more than a hundred million times what the comparison above allows."""
-    for point in draw("GyroFreeStabilization", LAWS["GyroFreeStabilization"], 5):
+    for point in draw("GyroFreeStabilization", 5):
         right, wrong = gyro_free(point), gyro_free(point, MUTANTS[name])
         assert np.abs(right["torque_B"] - wrong["torque_B"]).max() > 1e-4
 
 
 def test_the_other_lyapunov_equation_gives_another_p() -> None:
     """Am P + P Am^T = -Q would go unnoticed with the diagonal Am of the text."""
-    p = draw("GyroFreeStabilization", LAWS["GyroFreeStabilization"], 1)[0]
+    p = draw("GyroFreeStabilization", 1)[0]
     difference = ref.lyapunov_solution(p["A_m"], p["Q"]) - ref.lyapunov_solution(p["A_m"].T, p["Q"])
     assert np.abs(difference).max() > 0.1
-
-
-@pytest.mark.parametrize("name", LAWS)
-def test_declared_dependencies_are_those_of_the_directional_derivatives(name: str) -> None:
-    """None missing, none made up, at the first sample and after it together."""
-    description = unpacked(name, 2)[1]
-    knowns = [v for v in description.modelVariables if v.causality == "input"]
-    knowns += [d.variable.derivative for d in description.derivatives]
-    unknowns = [*description.outputs, *description.derivatives]
-    largest = np.zeros((len(knowns), len(unknowns)))
-    for point, at_sample in product(draw(name, LAWS[name], 4), (True, False)):
-        start = {**point, "filter_at_rest": 1} if "filter_at_rest" in point else point
-        with opened(name, 2, start, co_simulation=at_sample) as component:
-            references = [u.variable.valueReference for u in unknowns]
-            for i, known in enumerate(knowns):
-                slopes = component.fmu.getDirectionalDerivative(references, [known.valueReference], [1.0])
-                largest[i] = np.maximum(largest[i], np.abs(slopes))
-    found = {
-        (u.variable.name, k.name) for i, k in enumerate(knowns) for j, u in enumerate(unknowns) if largest[i, j] > 1e-12
-    }
-    declared = {(u.variable.name, d.name) for u in unknowns for d in u.dependencies if d.causality != "independent"}
-    assert found == declared
 
 
 # --- the filter's start, and P ----------------------------------------------------------------------------------------
@@ -183,7 +40,7 @@ def test_declared_dependencies_are_those_of_the_directional_derivatives(name: st
 @pytest.mark.parametrize("co_simulation", [False, True])
 @pytest.mark.parametrize("version", VERSIONS)
 def test_the_filter_starts_at_rest_from_the_first_measurement(version: int, co_simulation: bool) -> None:
-    for point in draw("GyroFreeStabilization", LAWS["GyroFreeStabilization"], 3):
+    for point in draw("GyroFreeStabilization", 3):
         start = {**point, "filter_at_rest": 1, "z_moved": np.zeros(3)}
         y_r = ref.seen(point["q_RN"], point["directions_N"])
         expected = ref.resting_filter(gains(point), point["directions_B"], y_r)
@@ -197,7 +54,7 @@ def test_the_filter_starts_at_rest_from_the_first_measurement(version: int, co_s
                 component.fmu.doStep(0.0, 0.01)
             else:
                 component.at(5.0)
-            component.set({"directions_B": draw("VectorPd", LAWS["VectorPd"], 1)[0]["directions_B"]})
+            component.set({"directions_B": draw("VectorPd", 1)[0]["directions_B"]})
             np.testing.assert_allclose(component.get("z_start"), expected, rtol=1e-11)  # set once
 
 

@@ -17,11 +17,11 @@ from adcs.library.thakur.gyro_free.systems import gyro_free
 from adcs.library.thakur.observer.settings import INERTIA, INERTIA_ERRORS
 from adcs.library.thakur.observer.systems import observer_inertia_error, observer_pd, quest_observer_pd
 from orchestration.fmu.file import FmiVersion
+from references import observer_pd as base
+from references.gyro_free import Loop, Settings, resting_attitudes, seen
+from references.observer_pd import Array, rate_along, rotation
 
-from . import reference as base
 from .gyro_free_mutants import MUTANTS
-from .gyro_free_reference import Loop, Settings, resting_attitudes, seen
-from .reference import Array, rate_along, rotation
 
 NAMES = {"gyro-free": False, "gyro-free-full-state": True}
 END = 40.0  # s, after which the angle has fallen from 32 to 2 deg

@@ -18,10 +18,9 @@ from adcs.library.hardware.systems import hil_spacecraft
 from fmus import catalog, fmu_path
 from orchestration.fmu.file import open_fmu
 from orchestration.fmu.seeds import seeds_of
-
-from .fmu_access import VERSIONS, Component
-from .noise_reference import State, Words, directions, mixed, normal, start, uniform, words
-from .reference import Array, rotation
+from references.noise import State, Words, directions, mixed, normal, start, uniform, words
+from references.observer_pd import Array, rotation
+from tests.one_fmu import VERSIONS, Component
 
 CHANCE = 1e-3
 """That a family of comparisons fails though nothing is wrong."""

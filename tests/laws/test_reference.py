@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from . import reference as ref
-from .reference import Array, Loop, Settings, error, kinematics, rate_along, rotation, skew
+from references import observer_pd as ref
+from references.observer_pd import Array, Loop, Settings, error, kinematics, rate_along, rotation, skew
 
 SETTINGS = Settings()
 J = SETTINGS.inertia

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from adcs import System, run
-
-from .fmu_access import VERSIONS, Component
-from .reference import Array
+from references.observer_pd import Array
+from tests.one_fmu import VERSIONS, Component
 
 TILTED = np.array([0.8, 0.6, 0.0, 0.0])
 CHOICE = (

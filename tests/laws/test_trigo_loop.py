@@ -12,11 +12,10 @@ from adcs.library.trigo import settings
 from adcs.library.trigo.catalogue import Controller, Scenario
 from adcs.library.trigo.settings import AS_MADE, AS_PRINTED
 from adcs.library.trigo.systems import BUILDERS, ESTIMATE, build, exchange_step, stride
-
-from . import trigo_reference as ref
-from .fmu_access import Component
-from .reference import Array
-from .trigo_reference import Batch, Mode
+from references import trigo as ref
+from references.observer_pd import Array
+from references.trigo import Batch, Mode
+from tests.one_fmu import Component
 
 SLEW_START, SCAN_START, STOP = 2.0, 5.0, 8.0  # s: early, so that short runs show both
 NAMES = {

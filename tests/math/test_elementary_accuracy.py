@@ -79,8 +79,8 @@ def hard(function: str) -> tuple[Floats, ...]:
     if function == "atan":
         return (np.concatenate([x + steps * 2.0**-52 for x in (-1, 0.5, 1, 2)]),)
     if function in ("sinh", "cosh", "tanh"):
-        ends = np.array([710.4758600739439, 710.475860073944, 709.782712893384, 22, 0.5 * np.log(2), 1.5 * np.log(2)])
-        return (np.concatenate((ends, -ends, 0.5 + steps * 2.0**-53, [5e-324, 1e-320, 1e300])),)
+        edges = np.array([710.4758600739439, 710.475860073944, 709.782712893384, 22, 0.5 * np.log(2), 1.5 * np.log(2)])
+        return (np.concatenate((edges, -edges, 0.5 + steps * 2.0**-53, [5e-324, 1e-320, 1e300])),)
     if function == "cbrt":
         cubes = rng.integers(1, 2**17, 500).astype(float) ** 3
         return (np.concatenate((cubes, -cubes * 2.0**300, [5e-324, 1.7e308], 2.0 ** np.arange(-1074, 1024, 7))),)

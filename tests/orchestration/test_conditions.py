@@ -3,6 +3,7 @@
 import operator
 import sys
 from collections.abc import Callable
+from types import FrameType
 from typing import Any
 
 import numpy as np
@@ -304,7 +305,7 @@ def test_refused(text, message):
 
 def test_depth_is_refused_however_little_stack_is_left():
     limit, depth = sys.getrecursionlimit(), 0
-    frame = sys._getframe()
+    frame: FrameType | None = sys._getframe()
     while frame is not None:
         depth, frame = depth + 1, frame.f_back
     sys.setrecursionlimit(depth + 60)

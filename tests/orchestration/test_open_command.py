@@ -21,9 +21,9 @@ def opened(tmp_path, monkeypatch):
         os.utime(page, (1e9 - age, 1e9 - age))
     for name in ("CI", "DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr(opening.sys, "platform", "linux")
+    monkeypatch.setattr("adcs.cli.opening.sys.platform", "linux")
     asked = []
-    monkeypatch.setattr(opening.webbrowser, "open", lambda address: asked.append(address) or True)
+    monkeypatch.setattr("adcs.cli.opening.webbrowser.open", lambda address: asked.append(address) or True)
     return asked
 
 

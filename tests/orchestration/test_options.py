@@ -4,6 +4,7 @@ import shlex
 from dataclasses import asdict, is_dataclass, replace
 from importlib import metadata
 from math import cos, sin
+from typing import Any
 
 import pytest
 from test_command_line import adcs
@@ -19,7 +20,7 @@ from orchestration.single import single
 from tests.invoking import invoke
 
 SYSTEM = ["run", "bridge", "hil", "linearize", "export"]
-GROUPS = {
+GROUPS: dict[str, list[Any]] = {
     "run": [Which, Times, Solving, During, Streaming, Results],
     "bridge": [Which, Times, GroundTools],
     "hil": [Which, Steps, Report],

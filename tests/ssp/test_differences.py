@@ -30,7 +30,7 @@ def fmu(path: Path, version: str, unit: str, by: str) -> Path:
     said = ' relativeQuantity="true"' if by == "variable" else ' declaredType="Difference"'
     overruled = "" if by == "variable" else f'{said} relativeQuantity="false"'
     inside = f'Real unit="{unit}" relativeQuantity="true"' if by == "type" else f'Real unit="{unit}"'
-    lines, structure = [], []
+    lines = []
     for number, (name, (causality, variability, kind, start)) in enumerate(VARIABLES.items(), 1):
         common = f'name="{name}" valueReference="{number}" causality="{causality}" variability="{variability}"'
         value = f'unit="{unit}"{overruled if kind else said}' + ("" if start is None else f' start="{start}"')

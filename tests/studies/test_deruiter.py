@@ -95,7 +95,7 @@ def test_the_study_names_the_condition_that_fails_before_it_runs_anything(
 
 def test_what_is_guaranteed_with_the_choices_as_they_are() -> None:
     """Values of a separate computation by hand."""
-    found = study.guarantees(Choices())
+    found = bounded.guarantees(Choices())
     assert found[EXACT].dead_zone_limit == pytest.approx(1e-3 / 13 / 0.3)
     assert found[EXACT].q_limit == pytest.approx(1.05 * 1e-3 / 13 / 0.3 / 0.05)
     assert found[ERRORS].dead_zone_limit == pytest.approx(4.51605e-4, rel=1e-5)
@@ -234,7 +234,7 @@ def test_rows_of_a_run_that_is_too_short(outcome: Outcome) -> None:
 
 
 def test_panels_draw_the_bounds_beside_the_trajectories(outcome: Outcome) -> None:
-    guarantees = study.guarantees(Choices())
+    guarantees = bounded.guarantees(Choices())
     for group, guarantee in guarantees.items():
         panels = {p.title: p for p in outcome.panels if p.group == group}
         assert panels["Attitude tracking error"].guides[0].value == guarantee.q_limit

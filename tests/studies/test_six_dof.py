@@ -16,7 +16,7 @@ from adcs.library.six_dof.settings import Choices, Scaling
 from adcs.library.six_dof.signals import ATTITUDE, DELTA_V, FORCE, POSITION, TORQUE, signals
 from adcs.library.six_dof.systems import BUILDERS, saturated, six_dof
 from adcs.listed import SYSTEMS as DESCRIPTIONS
-from tests.laws.six_dof_reference import Loop, S
+from references.six_dof import Loop, S
 
 COUPLED: dict[str, Any] = {"method": ModelExchange(rtol=1e-10, atol=1e-9)}
 

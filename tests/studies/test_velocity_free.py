@@ -25,8 +25,8 @@ from adcs.library.velocity_free.gain_region import (
 from adcs.library.velocity_free.settings import Choices
 from adcs.library.velocity_free.systems import BUILDERS
 from adcs.listed import SYSTEMS as DESCRIPTIONS
-from tests.laws.reference import rate_along
-from tests.laws.velocity_free_reference import INERTIA, Conditions, Errors
+from references.observer_pd import rate_along
+from references.velocity_free import INERTIA, Conditions, Errors
 
 POINT = np.array([0.2]), np.array([0.8])
 

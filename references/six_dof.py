@@ -13,8 +13,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.linalg import block_diag
 
-from . import velocity_free_reference as orbit
-from .reference import Array, error, kinematics, rotation, skew
+from . import velocity_free as orbit
+from .observer_pd import Array, error, kinematics, rotation, skew
 
 I3 = np.eye(3)
 
@@ -92,8 +92,8 @@ def scales(p: Mapping[str, Any]) -> dict[str, float]:
 def law_of(p: Mapping[str, Any]) -> Law:
     s = scales(p)
     m, J, mu = (p.get("mass", 1.0), p.get("J_B", I3), p.get("mu", 1.0))
-    gains = (float(p[n]) for n in ("k", "k_0", "k_1"))
-    return Law(m / s["mass"], np.asarray(J) / s["inertia"], mu / s["mu"], *gains)
+    k, k_0, k_1 = (float(p[n]) for n in ("k", "k_0", "k_1"))
+    return Law(m / s["mass"], np.asarray(J) / s["inertia"], mu / s["mu"], k, k_0, k_1)
 
 
 def filter_law(p: Mapping[str, Any]) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import solve_continuous_lyapunov
 from scipy.spatial.transform import Rotation
 
-from .reference import Array, body_acceleration, kinematics, rotation, skew
+from .observer_pd import Array, body_acceleration, kinematics, rotation, skew
 
 
 def seen(q: Array, x: Array) -> Array:

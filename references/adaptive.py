@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from .reference import Array, Reference, error, kinematics, skew
+from .observer_pd import Array, Reference, error, kinematics, skew
 
 PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 SYMMETRIC = np.array([[[float((i, j) in ((a, b), (b, a))) for j in range(3)] for i in range(3)] for a, b in PAIRS])

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from .reference import Array, body_acceleration, error, kinematics, observer_rates, rotation, skew
+from .observer_pd import Array, body_acceleration, error, kinematics, observer_rates, rotation, skew
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))  # the order of Eqs. (16) and (18)
 

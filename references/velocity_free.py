@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from .reference import Array, body_acceleration, error, kinematics, rotation, skew
+from .observer_pd import Array, body_acceleration, error, kinematics, rotation, skew
 
 
 def E(q: Array) -> Array:
@@ -74,7 +74,7 @@ def environment(p: Mapping[str, Any]) -> dict[str, Array]:
         "oblateness_B": np.cross(arm, turn.apply(pull)),
     }
     height = np.linalg.norm(r) - p["earth_radius"]
-    return {**parts, "torque_B": sum(parts.values()), "altitude": height}  # type: ignore[dict-item]
+    return {**parts, "torque_B": sum(parts.values()), "altitude": height}
 
 
 INERTIA = np.array([[0.0465, -0.0007, 0.0004], [-0.0007, 0.0486, -0.0021], [0.0004, -0.0021, 0.0482]])
@@ -108,7 +108,7 @@ class Loop:
         omega_r, omega_r_dot = self.reference(t)
         c, dq = error(q, q_r)
         rate = self.filtered(sigma, dq)
-        point = {"q_BN": q, "q_RN": q_r, "omega_RN_R": omega_r, "omegaDot_RN_R": omega_r_dot}
+        point: dict[str, Any] = {"q_BN": q, "q_RN": q_r, "omega_RN_R": omega_r, "omegaDot_RN_R": omega_r_dot}
         point |= {"J_B": self.inertia, "a": self.a, "b": self.b, "sigmaDot_BR": rate, "sigma_BR": sigma}
         return {**point, "dq": dq, "dw": omega - c @ omega_r, "torque_B": self.control(point)}
 

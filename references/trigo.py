@@ -13,12 +13,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 DEG = np.pi / 180
 J = np.diag([37 / 12, 37 / 12, 25 / 12])
 K_1 = np.array([-1.0, 1.0, 0.5])
@@ -55,7 +56,8 @@ def difference(sigma: Array, sigma_r: Array) -> Array:
 def columns(sigma: Array) -> tuple[Array, Array]:
     """c_2 and c_3: the second and third axis of O, seen in B."""
     q = quaternion(sigma)
-    return tuple(turned(q, axis) for axis in np.eye(3)[1:])
+    _, second, third = np.eye(3)
+    return turned(q, second), turned(q, third)
 
 
 def turned(q: Array, v: Array) -> Array:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .reference import Array
+from .observer_pd import Array
 
 Words = NDArray[np.uint64]
 State = Callable[[str, ArrayLike, ArrayLike], Words]

@@ -53,7 +53,7 @@ COMPILE_FLAGS = (
     *("-Wall", "-Wextra"),
     *(f"-I{SOURCES}", f"-isystem{EIGEN}", f"-isystem{FMI_HEADERS}"),
 )
-SMALL = ("-Os",)  # the adaptor: 30 kB of an FMU for all platforms less than as laws are, 4 % of a step at most
+SMALL = ("-Os",)  # the adaptor: 30 kB of an FMU for all platforms less than as laws are, 4 to 5 % of a step
 INLINED = (
     "-O2",  # zig makes the same of -O3
     *("-mllvm", "-inline-threshold=1000"),  # whole laws in one function: a third faster, and no larger. Clang's alone

@@ -2,8 +2,9 @@
 
 Laws work on vectors and matrices of a few elements, whose sizes are known. Eigen's kernels for large ones, its solvers,
 and views that no law takes are mere ballast in `sources/`: templates that are never made use of, so that the object is
-the same without them. `tests/platforms` compiles all components from what is left, by another compiler, and
-`tests/fmus` compares objects. A law that needs one of these headers does not compile there: take it off the list.
+the same without them. `tests/platforms` builds all components from what is left, by another compiler, and
+`tests/fmus` compares objects. A law that needs one of these headers does not compile or link there: take it off the
+list.
 Of a name that another version of Eigen does not have, nothing comes. FMUs of headers from elsewhere, which may use
 anything, have all of Eigen/Core and Eigen/LU.
 """
@@ -27,7 +28,6 @@ UNUSED: frozenset[Path] = frozenset(
         "Core/CoreIterators.h",
         "Core/CwiseTernaryOp.h",
         "Core/CwiseUnaryView.h",
-        "Core/DiagonalProduct.h",
         "Core/Fuzzy.h",
         "Core/IndexedView.h",
         "Core/NestByValue.h",

@@ -54,7 +54,7 @@ DESCRIBE_FLAGS = (
     # what a law is never meant to be, and compiles; it is the first program that is made of a header
     *(
         f"-Werror={each}"
-        for each in ("uninitialized", "return-type", "unused-comparison", "division-by-zero", "array-bounds")
+        for each in ("uninitialized", "return-type", "unused-comparison", "division-by-zero", "array-bounds", "format")
     ),
 )
 """With which the program is compiled that says what a component declares."""

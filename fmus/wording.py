@@ -266,6 +266,10 @@ _RULES: tuple[tuple[str, str | Callable[[re.Match[str], _About], str]], ...] = (
     (r"member reference type '.*' is not a pointer", "-> is for pointers (write a point)"),
     (r"invalid preprocessing directive", "no such word stands behind # (#pragma once, #include)"),
     (r'expected "FILENAME"', 'the name of what is included stands in quotes (#include "fmi/declaration.hpp")'),
+    (
+        r"format specifies type|more '%' conversions than|argument not used by format|invalid conversion specifier",
+        "a text with % takes other values than it is given (%g for a number, %s for a text, as many as there are)",
+    ),
     (r"array index (-?\d+) is (?:past|before)", r"an array has no element \1 (they are counted from 0)"),
     (r"function definition is not allowed here", "a '}' is missing before this function"),
     (r"type specifier is required", "a type is missing (void before a function; T or Vec3<T> before a variable)"),

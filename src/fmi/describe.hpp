@@ -60,6 +60,10 @@ int describe(const char* name) {
     component.component.declare(model);
     constexpr Functions has{detail::has_outputs<C<double>>, detail::has_derivatives<C<double>>,
                             detail::has_sample<C<double>>, detail::has_events<C<double>>};
+    if constexpr (detail::has_validate<C<double>>) {
+        Words refused;
+        component.component.validate(refused);
+    }
     if (!is_declared_right(table, has) || !are_start_values_right(table)) return declares_wrong;
     for (const bool shifted : {false, true}) {
         if (shifted) shift(table);

@@ -35,6 +35,12 @@ template <class C, class = void>
 constexpr bool has_validate = false;
 template <class C>
 constexpr bool has_validate<C, std::void_t<decltype(std::declval<const C&>().validate(std::declval<Words&>()))>> = true;
+/// What is said into a copy is said to nobody.
+template <class C, class = void>
+constexpr bool validates_a_copy = false;
+template <class C>
+constexpr bool validates_a_copy<C, std::void_t<decltype(std::declval<const C&>().validate(std::declval<Words>()))>> =
+    true;
 template <class C, class = void>
 constexpr bool has_stream = false;
 template <class C>
@@ -101,7 +107,7 @@ constexpr bool is_well_formed() {
                   "sample_times() is called by nobody (v.sampled(period) in declare() says when to sample)");
     static_assert(has_events<C> || !names_events<C>,
                   "events() has to be public and take what happened (void events(const Events& e))");
-    static_assert(has_validate<C> || !names_validate<C>,
+    static_assert((has_validate<C> && !validates_a_copy<C>) || !names_validate<C>,
                   "validate() has to be public and const, and say what is wrong (void validate(Words& refuse) const)");
     static_assert(has_summary<C>,
                   "summary is missing: what the component is, in a line (static constexpr auto summary = \"...\";)");

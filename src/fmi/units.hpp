@@ -62,14 +62,15 @@ constexpr int common_letters(const char* a, const char* b) {
     return n;
 }
 
-/// The longest symbol that a text begins with; nullptr for none.
-constexpr const Symbol* first_symbol(const char* text) {
-    const Symbol* found = nullptr;
-    int longest = 0;
-    for (const Symbol& symbol : symbols) {
-        const int n = common_letters(symbol.name, text);
-        if (symbol.name[n] != '\0' || n <= longest) continue;
-        found = &symbol;
+inline constexpr int n_symbols = sizeof symbols / sizeof symbols[0];
+
+/// Which symbol a text begins with, the longest one; -1 for none. GCC's sanitizer takes no pointer for constant.
+constexpr int first_symbol(const char* text) {
+    int found = -1, longest = 0;
+    for (int i = 0; i < n_symbols; ++i) {
+        const int n = common_letters(symbols[i].name, text);
+        if (symbols[i].name[n] != '\0' || n <= longest) continue;
+        found = i;
         longest = n;
     }
     return found;
@@ -90,12 +91,12 @@ constexpr void multiply(Dimension& product, const Dimension& by, int exponent) {
 constexpr Dimension dimension_of(const char* name) {
     Dimension found;
     bool below = false, open = false;
-    const Symbol* symbol = first_symbol(name);
-    while (symbol != nullptr) {
-        name += common_letters(symbol->name, name);
+    int symbol = first_symbol(name);
+    while (symbol >= 0) {
+        name += common_letters(symbols[symbol].name, name);
         int exponent = *name < '0' || *name > '9' ? 1 : 0;
         for (; *name >= '0' && *name <= '9'; ++name) exponent = 10 * exponent + (*name - '0');
-        multiply(found, symbol->dimension, below ? -exponent : exponent);
+        multiply(found, symbols[symbol].dimension, below ? -exponent : exponent);
         if (*name == '/' && !below) {
             below = true;
             open = name[1] == '(';
@@ -111,7 +112,7 @@ constexpr Dimension dimension_of(const char* name) {
         open = false;
         ++name;
     }
-    if (symbol == nullptr || open || *name != '\0') found.known = is_not_made_of_known_symbols();
+    if (symbol < 0 || open || *name != '\0') found.known = is_not_made_of_known_symbols();
     return found;
 }
 

@@ -312,6 +312,12 @@ def described(folder: Path, *changes: tuple[str, str]) -> str:
             (OUTPUTS, f"{OUTPUTS}\n    void sample(const Sample&) {{}}")]),
         (25, "validate() has to be public and const, and say what is wrong (void validate(Words& refuse) const)", [
             (OUTPUTS, f"{OUTPUTS}\n    bool validate() const {{ return true; }}")]),
+        (25, "validate() has to be public and const, and say what is wrong (void validate(Words& refuse) const)", [
+            (OUTPUTS, f"{OUTPUTS}\n    void validate(Words refuse) const {{ refuse(\"no\"); }}")]),
+        (25, "a text with % takes other values than it is given", [
+            (OUTPUTS, f"{OUTPUTS}\n    void validate(Words& refuse) const {{ refuse(\"k = %g, %g\", k); }}")]),
+        (25, "a text with % takes other values than it is given", [
+            (OUTPUTS, f"{OUTPUTS}\n    void validate(Words& refuse) const {{ refuse(\"k = %s\", k); }}")]),
         (DECLARED, "k cannot be inertia matrix: a matrix of 3 x 3, as Mat3<T> is, is expected", [
             (".above(0)", ".inertia()")]),
         (19, "omega cannot be unit quaternion: a vector of 4, as Quat<T> is, is expected", [
